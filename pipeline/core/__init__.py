@@ -1,0 +1,1 @@
+"""The shared vocabulary, geometry, lens, fits, and the run folder; knows nothing of stages."""

@@ -1,0 +1,35 @@
+"""Progress as a stream of small records.
+
+A stage gets one ``emit`` and calls it often (at least every half second).  The command line draws a bar or
+writes JSON lines, the add-on draws a panel, tests collect.  Cancelling is checked where progress is emitted:
+an ``emit`` may raise :class:`~pipeline.core.errors.Cancelled`.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, kw_only=True)
+class Event:
+    """One step of progress.
+
+    Attributes:
+        stage: name of the stage, e.g. ``"match"``.
+        done: units finished (frames, segments, iterations).
+        total: units in all, at least 1.
+        block: block that is worked on, or "" for all of them.
+        message: one line for the log, or "".
+    """
+
+    stage: str
+    done: int
+    total: int
+    block: str = ""
+    message: str = ""
+
+
+Emit = Callable[[Event], None]
+
+
+def silent(event: Event) -> None:
+    """Swallow the event: for callers that want no progress."""

@@ -1,0 +1,1 @@
+"""Synthetic cables with known truth: spec, truth, scene, lens camera, render, video."""

@@ -1,0 +1,162 @@
+"""Bundle adjustment with observed orientations: Levenberg-Marquardt on the reduced normal equations.
+
+Takes a :class:`~pipeline.core.rig.Rig`, image measurements and priors (the POS); gives the adjusted rig with its
+covariance.  Gross errors are weighted down by a Cauchy loss (iteratively reweighted least squares; Triggs et al.,
+2000, section 3).  The equations themselves are in :mod:`pipeline.core.normals`.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.core.normals import Chunk, Normals, assemble, covariance, solve, split_along_cable
+from pipeline.core.rig import Linearisation, Observations, Rig, linearise
+from pipeline.core.rotations import vector_from_rotation
+from pipeline.core.vocabulary import Array
+
+WORST_PX = 50.0  # what a point behind the camera costs, so that a step cannot win by hiding points there
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigPriors:
+    """Observed orientations: a reference state and standard deviations (0 holds a value, inf frees it).
+
+    Attributes:
+        reference: the observed rig; its points are not used.
+        body_sigmas: (F, 6) rotation vector in radians, then centre in metres.
+        mount_sigmas: (C, 6) the same for the mountings.
+        lens_sigmas: (C, 4) focal length and principal point in pixels, division coefficient.
+    """
+
+    reference: Rig
+    body_sigmas: Array
+    mount_sigmas: Array
+    lens_sigmas: Array
+
+    @property
+    def sigmas(self) -> Array:
+        """All standard deviations in the order of the unknowns."""
+        return np.concatenate([s.ravel() for s in (self.body_sigmas, self.mount_sigmas, self.lens_sigmas)])
+
+    def deviation(self, rig: Rig) -> Array:
+        """How far ``rig`` stands from the reference, in the order of the unknowns."""
+
+        def poses(rotations: Array, observed: Array, centres: Array, observed_centres: Array) -> Array:
+            turn = vector_from_rotation(rotations @ observed.transpose(0, 2, 1))
+            return np.concatenate([turn, centres - observed_centres], axis=1).ravel()
+
+        seen = self.reference
+        return np.concatenate(
+            [
+                poses(rig.body_rotations, seen.body_rotations, rig.body_centres, seen.body_centres),
+                poses(rig.mount_rotations, seen.mount_rotations, rig.mount_centres, seen.mount_centres),
+                (rig.lenses - seen.lenses).ravel(),
+            ]
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class BundleOptions:
+    """How to adjust.
+
+    Attributes:
+        sigma_px: standard deviation of an image coordinate, against which the priors are weighed.
+        loss_scale_px: residual at which the Cauchy loss halves a measurement's weight.
+        iterations: at most so many steps.
+        tolerance: stop when a step lowers the cost by less than this fraction.
+    """
+
+    sigma_px: float = 0.2
+    loss_scale_px: float = 1.0
+    iterations: int = 30
+    tolerance: float = 1e-6
+
+
+@dataclass(frozen=True, kw_only=True)
+class BundleResult:
+    """The adjusted state.
+
+    Attributes:
+        rig: adjusted orientations and points.
+        residuals: (N, 2) pixels.
+        weights: (N,) share of its weight that the loss left to each measurement, 0 to 1.
+        covariance: (U, U) of the orientation unknowns (zero rows where held), for the stated ``sigma_px``.
+        iterations: steps taken.
+    """
+
+    rig: Rig
+    residuals: Array
+    weights: Array
+    covariance: Array
+    iterations: int
+
+
+def adjust_bundle(
+    rig: Rig,
+    observations: Observations,
+    priors: RigPriors,
+    options: BundleOptions,
+    tell: Callable[[int, int], None],
+) -> BundleResult:
+    """Adjust the rig and its points to the measurements and the priors.
+
+    Args:
+        rig: starting values.
+        observations: image measurements; points numbered along the cable keep memory small.
+        priors: observed orientations.
+        options: see there.
+        tell: called with (iteration, iterations) before each step.
+    """
+    chunks = split_along_cable(observations, len(rig.points))
+    state = linearise(rig, observations)
+    cost, damping, taken = _cost(state, rig, priors, options), 1e-4, 0
+    for taken in range(1, options.iterations + 1):
+        tell(taken, options.iterations)
+        normals = _normals(state, rig, priors, options, chunks)
+        for _ in range(10):
+            step, point_steps = solve(normals, damping)
+            trial = rig.moved(step, point_steps)
+            trial_state = linearise(trial, observations)
+            trial_cost = _cost(trial_state, trial, priors, options)
+            if trial_cost < cost:
+                break
+            damping *= 10
+        else:
+            break
+        gain = 1 - trial_cost / cost
+        rig, state, cost, damping = trial, trial_state, trial_cost, max(damping / 10, 1e-9)
+        if gain < options.tolerance:
+            break
+    return BundleResult(
+        rig=rig,
+        residuals=state.residuals,
+        weights=_weights(state.residuals, options),
+        covariance=covariance(_normals(state, rig, priors, options, chunks)),
+        iterations=taken,
+    )
+
+
+def _normals(
+    state: Linearisation, rig: Rig, priors: RigPriors, options: BundleOptions, chunks: tuple[Chunk, ...]
+) -> Normals:
+    roots = np.sqrt(_weights(state.residuals, options)) / options.sigma_px
+    return assemble(state, roots, priors.deviation(rig), priors.sigmas, chunks)
+
+
+def _squared(residuals: Array) -> Array:
+    """Squared length of each residual in px^2; what cannot be projected counts as far off."""
+    return np.nan_to_num(np.sum(residuals**2, axis=1), nan=WORST_PX**2)
+
+
+def _weights(residuals: Array, options: BundleOptions) -> Array:
+    weights = 1.0 / (1.0 + _squared(residuals) / options.loss_scale_px**2)
+    return np.where(np.isfinite(residuals).all(axis=1), weights, 0.0)
+
+
+def _cost(state: Linearisation, rig: Rig, priors: RigPriors, options: BundleOptions) -> float:
+    scale = (options.loss_scale_px / options.sigma_px) ** 2
+    images = scale * np.log1p(_squared(state.residuals) / options.loss_scale_px**2).sum()
+    deviation = priors.deviation(rig)
+    observed = priors.sigmas > 0
+    return float(images + np.sum((deviation[observed] / priors.sigmas[observed]) ** 2))

@@ -1,0 +1,112 @@
+"""Results appear whole or not at all: written under a temporary name beside their place, then renamed.
+
+Takes contents, or a function that writes to a given path; gives the finished file.  Leaves out formats beyond
+text, JSON, CSV and PNG.
+"""
+
+import csv
+import json
+import os
+import shutil
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, is_dataclass
+from enum import Enum
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.core.errors import StageError
+
+
+@contextmanager
+def replacing(path: Path, stage: str = "output") -> Iterator[Path]:
+    """Give a temporary name with the same ending in the same folder; rename it to ``path`` at a good end.
+
+    The folder is made where it is missing.  After an error, an interrupt included, nothing is left behind and
+    what stood at ``path`` before still stands.  The body may write a file or make a folder.
+
+    Raises:
+        StageError: the place cannot be written (errors of the body's own writing included).
+    """
+    temporary = path.with_name(f".{path.stem}.{uuid4().hex[:8]}.part{path.suffix}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        yield temporary
+        if temporary.is_dir() and path.is_dir():
+            shutil.rmtree(path)
+        os.replace(temporary, path)
+    except OSError as error:
+        if error.filename is not None and path.parent not in Path(error.filename).parents:
+            raise  # another file's trouble, met while this one was written
+        raise unwritable(path, error, stage) from error
+    finally:
+        if temporary.is_dir():
+            shutil.rmtree(temporary, ignore_errors=True)
+        else:
+            _remove(temporary)
+
+
+def unwritable(path: Path, error: OSError, stage: str = "output") -> StageError:
+    """Say that a place cannot be written, and why."""
+    reason = (error.strerror or str(error)).lower()
+    return StageError(stage, f"cannot write {path} ({reason})", "choose another folder or make room there")
+
+
+def write_text(path: Path, text: str, stage: str = "output") -> None:
+    """Write UTF-8 text with line feeds."""
+    with replacing(path, stage) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="\n")
+
+
+def write_json(path: Path, value: object, stage: str = "output") -> None:
+    """Write JSON; dataclasses, arrays, paths and enums become plain, numbers that are none become null."""
+    write_text(path, json.dumps(plain(value), indent=2, ensure_ascii=False, allow_nan=False) + "\n", stage)
+
+
+def write_csv(
+    path: Path, header: Sequence[str], rows: Iterable[Sequence[object]], stage: str = "output"
+) -> None:
+    """Write a table with one header line; floats in full (they read back the same)."""
+    with replacing(path, stage) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(header)
+        writer.writerows(rows)
+
+
+def write_png(path: Path, image: NDArray[Any], compression: int = 1, stage: str = "output") -> None:
+    """Write an 8- or 16-bit image, (h, w) or (h, w, 3) blue-green-red; compression 1 is fast, 9 small."""
+    good, data = cv2.imencode(".png", image, [cv2.IMWRITE_PNG_COMPRESSION, compression])
+    if not good:
+        raise StageError(stage, f"{path} cannot be encoded as PNG", "report this as a fault of the program")
+    with replacing(path, stage) as temporary:
+        temporary.write_bytes(data.tobytes())
+
+
+def plain(value: object) -> Any:  # noqa: ANN401 - JSON is anything
+    """Turn records, arrays, paths and enums into what JSON knows; NaN and infinities into None."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return plain(asdict(value))
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, np.generic):
+        return plain(value.item())
+    if isinstance(value, float):
+        return value if np.isfinite(value) else None
+    if isinstance(value, Enum):
+        return value.value
+    return str(value) if isinstance(value, Path) else value
+
+
+def _remove(path: Path) -> None:
+    # a folder that lies behind a file, or was never made, has nothing to remove
+    if path.parent.is_dir():
+        path.unlink(missing_ok=True)

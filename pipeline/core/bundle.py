@@ -1,8 +1,8 @@
 """Bundle adjustment with observed orientations: Levenberg-Marquardt on the reduced normal equations.
 
-Takes a :class:`~pipeline.core.rig.Rig`, image measurements and priors (the POS); gives the adjusted rig with its
-covariance.  Gross errors are weighted down by a Cauchy loss (iteratively reweighted least squares; Triggs et al.,
-2000, section 3).  The equations themselves are in :mod:`pipeline.core.normals`.
+Takes a :class:`~pipeline.core.rig.Rig`, image measurements and priors (the POS); gives the adjusted rig with
+its covariance.  Gross errors are weighted down by a Cauchy loss (iteratively reweighted least squares;
+Triggs et al., 2000, section 3).  The equations themselves are in :mod:`pipeline.core.normals`.
 """
 
 from collections.abc import Callable

@@ -5,8 +5,10 @@ text, JSON, CSV and PNG.
 """
 
 import csv
+import glob
 import json
 import os
+import re
 import shutil
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -41,7 +43,8 @@ def replacing(path: Path, stage: str = "output") -> Iterator[Path]:
             shutil.rmtree(path)
         os.replace(temporary, path)
     except OSError as error:
-        if error.filename is not None and path.parent not in Path(error.filename).parents:
+        where = path if error.filename is None else Path(error.filename)
+        if where != path.parent and path.parent not in where.parents and where not in path.parents:
             raise  # another file's trouble, met while this one was written
         raise unwritable(path, error, stage) from error
     finally:
@@ -85,6 +88,24 @@ def write_png(path: Path, image: NDArray[Any], compression: int = 1, stage: str 
         raise StageError(stage, f"{path} cannot be encoded as PNG", "report this as a fault of the program")
     with replacing(path, stage) as temporary:
         temporary.write_bytes(data.tobytes())
+
+
+def natural_key(path: Path) -> tuple[tuple[str, int], ...]:
+    """Sort key by which frame9 comes before frame10."""
+    return tuple((text, int(digits or 0)) for text, digits in re.findall(r"(\D*)(\d*)", path.name))
+
+
+def is_pattern(path: Path) -> bool:
+    """Tell whether a path is a glob pattern: it has wildcards, and nothing of just this name exists."""
+    return glob.has_magic(str(path)) and not path.exists()
+
+
+def matching(pattern: Path) -> tuple[Path, ...]:
+    """The files that match a glob pattern, in natural order; brackets in existing folders mean themselves."""
+    existing = next(parent for parent in pattern.parents if parent.is_dir())
+    rest = str(pattern.relative_to(existing))
+    found = (existing / name for name in glob.glob(rest, root_dir=existing, recursive=True))
+    return tuple(sorted((path for path in found if path.is_file()), key=natural_key))
 
 
 def plain(value: object) -> Any:  # noqa: ANN401 - JSON is anything

@@ -2,8 +2,8 @@
 
 Takes the observation equations (:class:`~pipeline.core.rig.Linearisation`) and priors; gives the damped
 Gauss-Newton step and the covariance of the orientations.  Tie points are eliminated by the Schur complement
-(Triggs et al., "Bundle Adjustment - A Modern Synthesis", 2000, section 6.1), in chunks of neighbouring points,
-so that memory follows the overlap of the frames and not the length of the survey.
+(Triggs et al., "Bundle Adjustment - A Modern Synthesis", 2000, section 6.1), in chunks of neighbouring
+points, so that memory follows the overlap of the frames and not the length of the survey.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,8 @@ POINTS_PER_CHUNK = 2000
 
 @dataclass(frozen=True)
 class Chunk:
-    """Points ``first`` to ``last``; for each image its observations and their points, counted from ``first``."""
+    """Points ``first`` to ``last``; for each image its observations and their points, counted from
+    ``first``."""
 
     first: int
     last: int
@@ -41,7 +42,8 @@ class _Eliminated:
 
 @dataclass(frozen=True)
 class Normals:
-    """Normal equations before elimination: (U, U), (U,), the unknowns that are not held, the points' parts."""
+    """Normal equations before elimination: (U, U), (U,), the unknowns that are not held, the points'
+    parts."""
 
     matrix: Array
     right: Array

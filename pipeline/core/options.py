@@ -3,8 +3,8 @@
 Takes a dataclass and a mapping; gives an instance, or one sentence that names the key.  Leaves out reading
 files and rules that tie several keys together (the survey checks those).
 
-A field may carry metadata: ``key`` (its name in the file), ``minimum``, ``maximum``, ``above`` (numbers; arrays
-are checked element by element).
+A field may carry metadata: ``key`` (its name in the file), ``minimum``, ``maximum``, ``above`` (numbers;
+arrays are checked element by element).
 """
 
 import difflib
@@ -53,7 +53,8 @@ def build[T](kind: type[T], values: object, *, key: str = "", stage: str = "surv
     """Build a dataclass from a mapping, refusing all that does not fit.
 
     Args:
-        kind: the dataclass; nested dataclasses, tuples, enums (by value), paths and ``X | None`` are understood.
+        kind: the dataclass; nested dataclasses, tuples, enums (by value), paths and ``X | None`` are
+            understood.
         values: what the file holds at this place.
         key: full dotted name of this place, for messages; "" at the top of the file.
         stage: who speaks in the error.
@@ -111,13 +112,19 @@ def _key_of(field: Field[Any]) -> str:
 def _unknown(name: str, known: Mapping[str, object], place: _Place) -> StageError:
     full = place.into(name).key
     near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
-    remedy = f"perhaps {place.into(near[0]).key} is meant" if near else f"known here are {', '.join(sorted(known))}"
+    remedy = (
+        f"perhaps {place.into(near[0]).key} is meant"
+        if near
+        else f"known here are {', '.join(sorted(known))}"
+    )
     return place.error(f"unknown key {full}", remedy)
 
 
 def _table(kind: Any, values: object, place: _Place) -> object:  # noqa: ANN401 - any dataclass
     if not isinstance(values, Mapping):
-        raise place.error(f"{place.key or 'the file'} is {_say(values)}", f"write it as [{place.key}], a table")
+        raise place.error(
+            f"{place.key or 'the file'} is {_say(values)}", f"write it as [{place.key}], a table"
+        )
     known = {_key_of(field): field for field in fields(kind) if field.init}
     for name in values:
         if name not in known:

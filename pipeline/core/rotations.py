@@ -1,7 +1,7 @@
 """Rotations: vectors and matrices, the POS angles, and the nominal poses of the robot's cameras.
 
-All functions work on n rotations at once.  Conventions: a rotation vector is axis times angle in radians.  The
-POS angles of a frame turn the camera about its own axes (x right, y down, z forward), right-handed:
+All functions work on n rotations at once.  A rotation vector is axis times angle in radians.
+The POS angles of a frame turn the camera about its own axes (x right, y down, z forward), right-handed:
 world_from_cam = nominal_world_from_cam * Ry(yaw) * Rx(pitch) * Rz(roll).  They are kept in the order of the
 POS file: pitch, yaw, roll.
 """

@@ -1,0 +1,215 @@
+"""Stage *adjust*: POS-aided aerial triangulation of one block (paper, section 3.2).
+
+Takes tie points, the lens and the POS; gives adjusted orientations and points, Table 1's figures, and how
+well the POS holds the block in place (its datum).  The POS enters as observed unknowns with their
+covariance, never as hard values; the lens is held.  What the lens correction is worth is measured here too,
+by adjusting once without it.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.cable.match import TiePoints
+from pipeline.core.bundle import BundleOptions, BundleResult, RigPriors, adjust_bundle
+from pipeline.core.division import parameters, with_parameters
+from pipeline.core.events import Emit, Event
+from pipeline.core.rig import Observations, Rig
+from pipeline.core.rotations import cross_matrix, poses_from_centres
+from pipeline.core.vocabulary import Array, Lens, Poses, PosPriors
+
+
+@dataclass(frozen=True, kw_only=True)
+class AdjustOptions:
+    """How the block is adjusted.
+
+    Attributes:
+        sigma_px: standard deviation of an image measurement.
+        loss_scales_px: Cauchy scales of the successive adjustments, loose to tight.
+        gross_px: after the loose adjustment, measurements further off than this are left out.
+        least_keypoints: a frame with fewer accepted measurements does not count as calibrated.
+        correlation_m: travel over which the robot's sway stays alike; the POS of frames closer together than
+            this is no independent evidence of where the block lies.
+    """
+
+    sigma_px: float = 0.2
+    loss_scales_px: tuple[float, ...] = (8.0, 1.0, 0.5)
+    gross_px: float = 1.5
+    least_keypoints: int = 20
+    correlation_m: float = 0.08
+
+
+@dataclass(frozen=True, kw_only=True)
+class LensEffect:
+    """The same block adjusted without lens correction (figures 5 and 6).
+
+    Attributes:
+        points_uncorrected: (m, 3) tie points that the uncorrected adjustment gives, metres.
+        reprojection_px: its root mean square residual.
+    """
+
+    points_uncorrected: Array
+    reprojection_px: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Orientation:
+    """One adjusted block.
+
+    Attributes:
+        lens: of the original frames.
+        poses: adjusted, cam_from_world.
+        points: (m, 3) tie points, metres in the cable frame.
+        frame, point: (n,) int64 of each accepted measurement.
+        pixels: (n, 2) accepted measurements, original frames.
+        residuals: (n, 2) measured minus projected, pixels.
+        keypoints: (frames,) int64 accepted measurements in each frame.
+        calibrated: (frames,) bool.
+        reprojection_px: root mean square length of the accepted residuals.
+        datum_origin: (3,) metres; centre of the seven-parameter datum.
+        datum_information: (7, 7) weight with which the POS holds the block against a similarity about the
+            datum origin: rotation vector (rad), shift (m), scale.
+        lens_effect: None where the lens has no distortion to correct.
+    """
+
+    lens: Lens
+    poses: Poses
+    points: Array
+    frame: NDArray[np.int64]
+    point: NDArray[np.int64]
+    pixels: Array
+    residuals: Array
+    keypoints: NDArray[np.int64]
+    calibrated: NDArray[np.bool_]
+    reprojection_px: float
+    datum_origin: Array
+    datum_information: Array
+    lens_effect: LensEffect | None
+
+
+def adjust_block(
+    block: str, tie_points: TiePoints, lens: Lens, pos: PosPriors, options: AdjustOptions, emit: Emit
+) -> Orientation:
+    """Adjust one block.
+
+    Args:
+        block: its name, for progress.
+        tie_points: measurements in original frames.
+        lens: held as given.
+        pos: observed orientations.
+        options: see there.
+        emit: progress, one event an iteration.
+    """
+    measured = Observations(
+        frame=tie_points.frame,
+        camera=np.zeros_like(tie_points.frame),
+        point=tie_points.point,
+        pixels=tie_points.pixels,
+    )
+    accepted, result = _adjust(block, measured, tie_points.starts, lens, pos, options, emit)
+    poses = poses_from_centres(result.rig.body_rotations, result.rig.body_centres)
+    keypoints = np.bincount(accepted.frame, minlength=len(poses))
+    origin = np.array([0.0, poses.centres[:, 1].mean(), 0.0])
+    return Orientation(
+        lens=lens,
+        poses=poses,
+        points=result.rig.points,
+        frame=accepted.frame,
+        point=accepted.point,
+        pixels=accepted.pixels,
+        residuals=result.residuals,
+        keypoints=keypoints,
+        calibrated=keypoints >= options.least_keypoints,
+        reprojection_px=_rms(result.residuals),
+        datum_origin=origin,
+        datum_information=_datum(poses, pos, origin, options),
+        lens_effect=_without_correction(block, accepted, result.rig.points, lens, pos, options, emit),
+    )
+
+
+def _adjust(
+    block: str,
+    measured: Observations,
+    starts: Array,
+    lens: Lens,
+    pos: PosPriors,
+    options: AdjustOptions,
+    emit: Emit,
+) -> tuple[Observations, BundleResult]:
+    """Loose to tight, leaving out gross errors after the first pass."""
+    rig = _single_camera(pos.poses, lens, starts)
+    priors = RigPriors(
+        reference=rig, body_sigmas=pos.sigmas, mount_sigmas=np.zeros((1, 6)), lens_sigmas=np.zeros((1, 4))
+    )
+    for number, scale in enumerate(options.loss_scales_px):
+
+        def tell(iteration: int, iterations: int, number: int = number) -> None:
+            total = iterations * len(options.loss_scales_px)
+            emit(Event(stage="adjust", block=block, done=number * iterations + iteration - 1, total=total))
+
+        bundle = BundleOptions(sigma_px=options.sigma_px, loss_scale_px=scale)
+        result = adjust_bundle(rig, measured, priors, bundle, tell)
+        rig = result.rig
+        keep = np.linalg.norm(result.residuals, axis=1) < max(options.gross_px, scale)
+        if number < len(options.loss_scales_px) - 1:
+            measured = _seen_twice(measured.subset(keep))
+    return measured, result
+
+
+def _seen_twice(measured: Observations) -> Observations:
+    """Without the points that are left with a single measurement: they have no depth."""
+    views = np.bincount(measured.point)
+    return measured.subset(views[measured.point] >= 2)
+
+
+def _single_camera(poses: Poses, lens: Lens, points: Array) -> Rig:
+    """A rig whose body is the camera itself."""
+    return Rig(
+        body_rotations=poses.rotations,
+        body_centres=poses.centres,
+        mount_rotations=np.eye(3)[None],
+        mount_centres=np.zeros((1, 3)),
+        lenses=parameters(lens)[None],
+        points=points,
+    )
+
+
+def _without_correction(
+    block: str,
+    measured: Observations,
+    points: Array,
+    lens: Lens,
+    pos: PosPriors,
+    options: AdjustOptions,
+    emit: Emit,
+) -> LensEffect | None:
+    straight = with_parameters(lens, parameters(lens) * np.array([1, 1, 1, 0]))
+    if lens.division_lambda == 0:
+        return None
+    loose = replace(options, loss_scales_px=(8.0,), gross_px=np.inf)
+    _, result = _adjust(block, measured, points, straight, pos, loose, emit)
+    return LensEffect(points_uncorrected=result.rig.points, reprojection_px=_rms(result.residuals))
+
+
+def _datum(poses: Poses, pos: PosPriors, origin: Array, options: AdjustOptions) -> Array:
+    """Information of the POS on a similarity of the whole block.
+
+    A similarity X' = o + (1 + s) exp([w]x)(X - o) + t turns a camera by -R w about its own axes and moves its
+    centre by w x (C - o) + t + s (C - o).
+    """
+    arms = poses.centres - origin
+    count = len(poses)
+    derivative = np.zeros((count, 6, 7))
+    derivative[:, :3, :3] = -poses.rotations
+    derivative[:, 3:, :3] = -cross_matrix(arms)
+    derivative[:, 3:, 3:6] = np.eye(3)
+    derivative[:, 3:, 6] = arms
+    whitened = (derivative / pos.sigmas[:, :, None]).reshape(-1, 7)
+    travel_m = float(np.ptp(poses.centres[:, 1]))
+    independent = min(count, 1 + travel_m / options.correlation_m)
+    return whitened.T @ whitened * (independent / count)
+
+
+def _rms(residuals: Array) -> float:
+    return float(np.sqrt(np.nanmean(np.sum(residuals**2, axis=1))))

@@ -1,0 +1,155 @@
+"""Joining rigid pieces by points held together and surfaces brought close.
+
+An adjustment of independent models: every piece gets a similarity (seven parameters) that a prior, its POS,
+holds softly; pairs of corresponding points and pairs of surface points and their feet on the neighbour pull
+the pieces together.  (Ackermann, Ebner and Klein, "Block triangulation with independent models", 1973,
+extended by surfaces.)
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from pipeline.core.rotations import cross_matrix, rotation_from_vector, vector_from_rotation
+from pipeline.core.vocabulary import Array
+
+PARAMETERS = 7
+
+
+@dataclass(frozen=True, kw_only=True)
+class Placement:
+    """A similarity for each piece: X' = o + t + scale R (X - o).
+
+    Attributes:
+        origins: (b, 3) metres.
+        rotations: (b, 3, 3).
+        shifts: (b, 3) metres.
+        scales: (b,).
+    """
+
+    origins: Array
+    rotations: Array
+    shifts: Array
+    scales: Array
+
+    def apply(self, piece: int, points: Array) -> Array:
+        """Place points (..., 3) of one piece."""
+        arms = (points - self.origins[piece]) @ self.rotations[piece].T
+        return self.origins[piece] + self.shifts[piece] + self.scales[piece] * arms
+
+    def undo(self, piece: int, points: Array) -> Array:
+        """The inverse of :meth:`apply`."""
+        arms = (points - self.origins[piece] - self.shifts[piece]) / self.scales[piece]
+        return self.origins[piece] + arms @ self.rotations[piece]
+
+    def derivative(self, piece: int, placed: Array) -> Array:
+        """Of placed points (n, 3) by the piece's rotation vector, shift and log scale, (n, 3, 7)."""
+        arms = placed - self.origins[piece] - self.shifts[piece]
+        count = len(placed)
+        return np.concatenate(
+            [-cross_matrix(arms), np.broadcast_to(np.eye(3), (count, 3, 3)), arms[:, :, None]], axis=2
+        )
+
+    def moved(self, step: Array) -> "Placement":
+        """After a step (7 b,) of rotation vectors, shifts and log scales."""
+        steps = step.reshape(-1, PARAMETERS)
+        return replace(
+            self,
+            rotations=rotation_from_vector(steps[:, :3]) @ self.rotations,
+            shifts=self.shifts + steps[:, 3:6],
+            scales=self.scales * np.exp(steps[:, 6]),
+        )
+
+    def deviation(self) -> Array:
+        """From standing still, (b, 7)."""
+        return np.concatenate(
+            [vector_from_rotation(self.rotations), self.shifts, np.log(self.scales)[:, None]], axis=1
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tie:
+    """Points of two pieces that belong together.
+
+    Attributes:
+        first, second: the pieces.
+        points_first, points_second: (n, 3) as the pieces stand, metres.
+        whitening: (n, 3, 3) turns a difference in the cable frame into standard deviations; a zero row leaves
+            that direction free.
+    """
+
+    first: int
+    second: int
+    points_first: Array
+    points_second: Array
+    whitening: Array
+
+    def residuals(self, placement: Placement) -> Array:
+        """Whitened differences, (n, 3)."""
+        gap = placement.apply(self.first, self.points_first)
+        gap = gap - placement.apply(self.second, self.points_second)
+        return np.einsum("nij,nj->ni", self.whitening, gap)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fit:
+    """The joined pieces.
+
+    Attributes:
+        placement: of each piece.
+        covariance: (7 b, 7 b).
+    """
+
+    placement: Placement
+    covariance: Array
+
+
+def fit_pieces(
+    start: Placement,
+    information: Array,
+    ties: Callable[[Placement], list[Tie]],
+    iterations: int = 15,
+) -> Fit:
+    """Join the pieces by iteratively reweighted least squares (Cauchy, scale 3 sigma).
+
+    Args:
+        start: first guess; the pieces' own places are the prior.
+        information: (b, 7, 7) weight with which each piece is held in its own place.
+        ties: the ties for a placement; surface feet move with it.
+        iterations: most steps.
+    """
+    placement = start
+    for _ in range(iterations):
+        matrix, right = _normals(placement, information, ties(placement))
+        step = cho_solve(cho_factor(matrix), right)
+        placement = placement.moved(step)
+        if np.abs(step).max() < 1e-9:
+            break
+    matrix, _ = _normals(placement, information, ties(placement))
+    return Fit(placement=placement, covariance=cho_solve(cho_factor(matrix), np.eye(len(matrix))))
+
+
+def _normals(placement: Placement, information: Array, ties: list[Tie]) -> tuple[Array, Array]:
+    pieces = len(placement.origins)
+    matrix = np.zeros((pieces * PARAMETERS, pieces * PARAMETERS))
+    right = np.zeros(pieces * PARAMETERS)
+    deviation = placement.deviation()
+    for piece in range(pieces):
+        at = slice(piece * PARAMETERS, (piece + 1) * PARAMETERS)
+        matrix[at, at] += information[piece]
+        right[at] -= information[piece] @ deviation[piece]
+    for tie in ties:
+        residuals = tie.residuals(placement)
+        root = np.sqrt(1 / (1 + np.sum(residuals**2, axis=1) / 9))
+        places, jacobians = [], []
+        for piece, points, sign in ((tie.first, tie.points_first, 1), (tie.second, tie.points_second, -1)):
+            derivative = placement.derivative(piece, placement.apply(piece, points))
+            jacobians.append(sign * np.einsum("n,nij,njk->nik", root, tie.whitening, derivative))
+            places.append(piece * PARAMETERS + np.arange(PARAMETERS))
+        jacobian = np.concatenate(jacobians, axis=2).reshape(-1, 2 * PARAMETERS)
+        columns = np.concatenate(places)
+        matrix[np.ix_(columns, columns)] += jacobian.T @ jacobian
+        right[columns] -= jacobian.T @ (root[:, None] * residuals).ravel()
+    return matrix, right

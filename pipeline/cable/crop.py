@@ -1,0 +1,80 @@
+"""Stage *crop*: cut away the limb and ragged edges of one block, so that blocks can be joined (paper, 3.3).
+
+Takes a block's surface; gives the mask of the cells that stay.  Points near the limb are outline and not
+surface: they are cut by the angle between line of sight and normal, the rest by quality and by being
+connected.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.cable.surface import BlockSurface
+from pipeline.core.errors import StageError
+from pipeline.core.vocabulary import Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class CropOptions:
+    """What is cut.
+
+    Attributes:
+        incidence_deg: largest angle between the line of sight and the surface's normal.
+        least_score: smallest agreement of the frames.
+        fringe_mm: protrusions and islands narrower than this are cut.
+    """
+
+    incidence_deg: float = 62.0
+    least_score: float = 0.5
+    fringe_mm: float = 3.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Crop:
+    """What stays of one block.
+
+    Attributes:
+        keep: (n, m) bool.
+        incidence_deg: (m,) angle between line of sight and normal at each azimuth.
+    """
+
+    keep: NDArray[np.bool_]
+    incidence_deg: Array
+
+
+def crop_block(
+    block: str, surface: BlockSurface, azimuth_deg: float, standoff_m: float, options: CropOptions
+) -> Crop:
+    """Decide which cells of a block stay.
+
+    Raises:
+        StageError: nothing stays.
+    """
+    incidence = incidence_deg(
+        surface.azimuth - np.deg2rad(azimuth_deg), float(np.nanmedian(surface.radius_m)), standoff_m
+    )
+    good = np.isfinite(surface.radius_m) & (incidence <= options.incidence_deg)
+    good &= ~surface.measured | (np.nan_to_num(surface.score, nan=-1) >= options.least_score)
+    along_m, around_m = surface.cell_m
+    size = [max(round(options.fringe_mm / 1000 / side), 1) | 1 for side in (around_m, along_m)]
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, size)
+    keep = cv2.morphologyEx(good.astype(np.uint8), cv2.MORPH_OPEN, kernel) > 0
+    if not keep.any():
+        raise StageError(
+            "crop", f"nothing of {block} is left", "raise crop.incidence_deg or lower crop.least_score"
+        )
+    return Crop(keep=keep, incidence_deg=incidence)
+
+
+def incidence_deg(azimuth: Array, radius_m: float, standoff_m: float) -> Array:
+    """Angle at the surface between its normal and the line to the camera, degrees.
+
+    Args:
+        azimuth: (m,) radians from the camera's own azimuth.
+        radius_m: of the cable.
+        standoff_m: from the camera to the axis.
+    """
+    towards = standoff_m - radius_m * np.cos(azimuth)
+    return np.rad2deg(np.abs(azimuth) + np.arctan2(radius_m * np.abs(np.sin(azimuth)), towards))

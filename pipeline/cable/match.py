@@ -1,0 +1,202 @@
+"""Stage *match*: tie points along the sequence of one block, verified by epipolar geometry.
+
+Takes the undistorted frames, their lens, the POS and the cable's rough radius; gives tie points in the
+pixels of the *original* frames (what the camera measured, whatever the lens is later found to be).  Leaves
+out points that
+neighbouring blocks share: those come from the unrolled pictures, in mosaic.
+"""
+
+from dataclasses import dataclass, field
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.cable.tracking import Gray, Pyramids, Track, Tracker, TrackOptions
+from pipeline.core.division import pixels_to_rays, rays_to_pixels
+from pipeline.core.epipolar import (
+    calibration_matrix,
+    fundamental_from_orientation,
+    infinite_homography,
+    reconstruct_projective,
+    sampson_distances,
+    second_epipole,
+)
+from pipeline.core.errors import StageError
+from pipeline.core.events import Emit, Event
+from pipeline.core.fundamental import FundamentalOptions, estimate_fundamental
+from pipeline.core.vocabulary import Array, FrameSequence, Lens, Poses, PosPriors
+
+
+@dataclass(frozen=True, kw_only=True)
+class MatchOptions:
+    """How tie points are found and verified.
+
+    Attributes:
+        track: choice and following of points.
+        epipolar_px: largest reprojection error of a pair's projective reconstruction.
+        epipolar_step: frames between the two pictures of a verified pair.
+        least_views: points seen in fewer frames are dropped.
+        least_points: fewer points than this in a frame are an error.
+        seed: of the random choice inside the estimation.
+    """
+
+    track: TrackOptions = field(default_factory=TrackOptions)
+    epipolar_px: float = 0.8
+    epipolar_step: int = 3
+    least_views: int = 3
+    least_points: int = 25
+    seed: int = 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class TiePoints:
+    """Image measurements of one block, points numbered along the cable.
+
+    Attributes:
+        frame, point: (n,) int64 of each measurement.
+        pixels: (n, 2) in the original frames.
+        starts: (m, 3) rough positions in the cable frame, metres.
+        epipolar_px: (pairs,) median Sampson distance of each verified pair from its estimated geometry.
+        pos_epipolar_px: (pairs,) the same from the geometry that the POS predicts.
+        rejected: share of measurements that the epipolar check threw out.
+    """
+
+    frame: NDArray[np.int64]
+    point: NDArray[np.int64]
+    pixels: Array
+    starts: Array
+    epipolar_px: Array
+    pos_epipolar_px: Array
+    rejected: float
+
+
+def match_block(
+    frames: FrameSequence,
+    pinhole: Lens,
+    lens: Lens,
+    pos: PosPriors,
+    azimuth_deg: float,
+    radius_m: float,
+    options: MatchOptions,
+    emit: Emit,
+) -> TiePoints:
+    """Find and verify the tie points of one block.
+
+    Args:
+        frames: undistorted frames.
+        pinhole: their lens.
+        lens: of the original frames, in whose pixels the result is given.
+        pos: predicted orientations.
+        azimuth_deg: place of the camera around the axis.
+        radius_m: rough radius of the cable.
+        options: see there.
+        emit: progress, one event a frame.
+
+    Raises:
+        StageError: a frame has too little texture to be tied to its neighbours.
+    """
+
+    def read(frame: int) -> Gray:
+        return np.asarray(cv2.imread(str(frames.files[frame]), cv2.IMREAD_GRAYSCALE), dtype=np.uint8)
+
+    tracker = Tracker(Pyramids(read, options.track), pinhole, pos.poses, azimuth_deg, radius_m, options.track)
+    tracks = []
+    for home in range(len(frames)):
+        emit(Event(stage="match", block=frames.block, done=home, total=len(frames)))
+        tracks.append(tracker.track(home))
+    frame, point, pixels, starts = _merge(tracks)
+    keep, estimated, predicted = _verify(frame, point, pixels, pinhole, pos.poses, options)
+    rejected = float(1 - keep.mean()) if len(keep) else 1.0
+    frame, point, pixels, starts = _prune(frame[keep], point[keep], pixels[keep], starts, options)
+    _check_texture(frame, frames, options)
+    return TiePoints(
+        frame=frame,
+        point=point,
+        pixels=rays_to_pixels(lens, pixels_to_rays(pinhole, pixels)),
+        starts=starts,
+        epipolar_px=estimated,
+        pos_epipolar_px=predicted,
+        rejected=rejected,
+    )
+
+
+def _merge(tracks: list[Track]) -> tuple[NDArray[np.int64], NDArray[np.int64], Array, Array]:
+    offsets = np.cumsum([0, *(len(t.starts) for t in tracks)])[:-1]
+    frame = np.concatenate([t.frame for t in tracks])
+    point = np.concatenate([t.point + o for t, o in zip(tracks, offsets, strict=True)])
+    pixels = np.concatenate([t.pixels for t in tracks])
+    return frame, point, pixels, np.concatenate([t.starts for t in tracks])
+
+
+def _verify(
+    frame: NDArray[np.int64],
+    point: NDArray[np.int64],
+    pixels: Array,
+    pinhole: Lens,
+    poses: Poses,
+    options: MatchOptions,
+) -> tuple[NDArray[np.bool_], Array, Array]:
+    """Check pairs of frames a few steps apart by their pictures alone (equation 11 and Algorithm 1).
+
+    Returns:
+        Which measurements stay, and each pair's median distance from the estimated and the predicted
+        geometry.
+    """
+    keep = np.ones(len(frame), dtype=bool)
+    estimated, predicted = [], []
+    rows = [np.flatnonzero(frame == k) for k in range(len(poses))]
+    step = min(options.epipolar_step, len(poses) - 1)
+    for first, second in zip(range(len(poses) - step), range(step, len(poses)), strict=True):
+        _, a, b = np.intersect1d(point[rows[first]], point[rows[second]], return_indices=True)
+        a, b = rows[first][a], rows[second][b]
+        if len(a) < options.least_points:
+            continue
+        choice = FundamentalOptions(noise_sigma=options.epipolar_px / 2.5, seed=options.seed)
+        F = estimate_fundamental(pixels[a], pixels[b], choice).F
+        residuals_px = reconstruct_projective(F, pixels[a], pixels[b]).residuals_px
+        bad = ~(residuals_px <= options.epipolar_px)
+        keep[a[bad]] = False
+        keep[b[bad]] = False
+        known = _predicted_fundamental(pinhole, poses, first, second)
+        estimated.append(float(np.median(sampson_distances(F, pixels[a], pixels[b]))))
+        predicted.append(float(np.median(sampson_distances(known, pixels[a], pixels[b]))))
+    return keep, np.array(estimated), np.array(predicted)
+
+
+def _predicted_fundamental(pinhole: Lens, poses: Poses, first: int, second: int) -> Array:
+    """The fundamental matrix of two frames from their orientation, equations (7), (8) and (11)."""
+    K, rotations, centres = calibration_matrix(pinhole), poses.rotations, poses.centres
+    A = infinite_homography(K, K, rotations[first], rotations[second])
+    return fundamental_from_orientation(
+        A, second_epipole(K, rotations[second], centres[first], centres[second])
+    )
+
+
+def _prune(
+    frame: NDArray[np.int64],
+    point: NDArray[np.int64],
+    pixels: Array,
+    starts: Array,
+    options: MatchOptions,
+) -> tuple[NDArray[np.int64], NDArray[np.int64], Array, Array]:
+    """Drop points with too few views and number the others along the cable."""
+    views = np.bincount(point, minlength=len(starts))
+    chosen = np.flatnonzero(views >= options.least_views)
+    chosen = chosen[np.argsort(starts[chosen, 1], kind="stable")]
+    number = np.full(len(starts), -1)
+    number[chosen] = np.arange(len(chosen))
+    stay = number[point] >= 0
+    return frame[stay], number[point[stay]], pixels[stay], starts[chosen]
+
+
+def _check_texture(frame: NDArray[np.int64], frames: FrameSequence, options: MatchOptions) -> None:
+    counts = np.bincount(frame, minlength=len(frames))
+    poorest = int(np.argmin(counts))
+    if counts[poorest] < options.least_points:
+        name = frames.files[poorest].name
+        raise StageError(
+            "match",
+            f"{frames.block}: frame {name} shares only {counts[poorest]} points with the others",
+            "check that it is sharp, that the cable fills the picture and that travel_in_image is right",
+        )

@@ -1,0 +1,195 @@
+"""The multi-view sweep: for every cell of the unrolled surface, the radius at which the frames agree.
+
+Takes frames, lens, orientations and a first guess of the radius; gives the radius of every cell with a
+quality and two half-results, from the frames ahead and from those behind, that share no neighbour.  Cells
+are warped from each frame for each candidate radius, compared by box-filtered normalised cross-correlation
+with the frame that stands nearest, and the peak is refined by a parabola (after Collins, "A space-sweep
+approach to true multi-image matching", CVPR 1996, with cylinders for planes).
+"""
+
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.core.axis import AxisCurve
+from pipeline.core.division import coefficient
+from pipeline.core.vocabulary import Array, Lens, Poses
+
+Image = NDArray[np.floating]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepGrid:
+    """Cells of the unrolled surface.
+
+    Attributes:
+        axis: the axis they are unrolled about.
+        azimuth: (m,) radians, evenly spaced.
+        y_m: (n,) metres, evenly spaced.
+    """
+
+    axis: AxisCurve
+    azimuth: Array
+    y_m: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepResult:
+    """Per cell, all (n, m), float32; NaN where nothing can be said.
+
+    Attributes:
+        radius_m: where the agreement peaks.
+        score: agreement at the peak, mean correlation, -1 to 1.
+        radius_ahead_m, radius_behind_m: from the frames ahead and behind alone.
+    """
+
+    radius_m: Image
+    score: Image
+    radius_ahead_m: Image
+    radius_behind_m: Image
+
+
+class FrameReader:
+    """Grey frames as float32, blurred to the size of a cell; only the latest ``keep`` stay in memory."""
+
+    def __init__(self, read: Callable[[int], NDArray[np.uint8]], blur_px: float, keep: int = 40) -> None:
+        self._read, self._blur_px, self._keep = read, blur_px, keep
+        self._held: OrderedDict[int, Image] = OrderedDict()
+
+    def __getitem__(self, frame: int) -> Image:
+        if frame not in self._held:
+            image = self._read(frame).astype(np.float32)
+            if self._blur_px > 0:
+                image = cv2.GaussianBlur(image, (0, 0), self._blur_px).astype(np.float32)
+            self._held[frame] = image
+            if len(self._held) > self._keep:
+                self._held.popitem(last=False)
+        self._held.move_to_end(frame)
+        return self._held[frame]
+
+
+def sweep_strip(
+    frames: FrameReader,
+    lens: Lens,
+    poses: Poses,
+    reference: int,
+    ahead: tuple[int, ...],
+    behind: tuple[int, ...],
+    grid: SweepGrid,
+    start_m: Image,
+    offsets_m: Array,
+    window: int,
+) -> SweepResult:
+    """Sweep one strip of cells.
+
+    Args:
+        frames: grey frames.
+        lens: of the frames, distortion included.
+        poses: cam_from_world.
+        reference: the frame that sees the strip best.
+        ahead, behind: frames to compare it with.
+        grid: the strip's cells.
+        start_m: (n, m) radius around which to search.
+        offsets_m: (k,) evenly spaced candidates to add.
+        window: side of the comparison window in cells, odd.
+    """
+    centre = SurfaceView(lens, poses, reference, grid)
+    sides = [[SurfaceView(lens, poses, f, grid) for f in side] for side in (ahead, behind)]
+    visible = [[v.visible(start_m, window) for v in side] for side in sides]
+    seen = centre.visible(start_m, window)
+    volumes = np.zeros((2, len(offsets_m), *start_m.shape), dtype=np.float32)
+    for index, offset in enumerate(offsets_m):
+        radius = start_m + np.float32(offset)
+        template = _Template(centre.sample(frames[reference], radius), window)
+        for side in (0, 1):
+            for view, weight in zip(sides[side], visible[side], strict=True):
+                volumes[side, index] += weight * template.correlate(view.sample(frames[view.frame], radius))
+    counts = np.array([np.sum(side, axis=0) if side else np.zeros_like(start_m) for side in visible]) * seen
+    return _peaks(volumes, counts, start_m, offsets_m)
+
+
+def _peaks(volumes: Image, counts: Image, start_m: Image, offsets_m: Array) -> SweepResult:
+    with np.errstate(invalid="ignore", divide="ignore"):
+        halves = [
+            _peak(volume / np.where(count > 0, count, np.nan), start_m, offsets_m)[0]
+            for volume, count in zip(volumes, counts, strict=True)
+        ]
+        total = counts.sum(axis=0)
+        mean = volumes.sum(axis=0) / np.where(total > 0, total, np.nan)
+        radius, score = _peak(mean, start_m, offsets_m)
+    return SweepResult(radius_m=radius, score=score, radius_ahead_m=halves[0], radius_behind_m=halves[1])
+
+
+def _peak(scores: Image, start_m: Image, offsets_m: Array) -> tuple[Image, Image]:
+    """Sub-step maximum over the first axis; NaN where it lies at the end of the range."""
+    best = np.argmax(np.nan_to_num(scores, nan=-2), axis=0)
+    inner = np.clip(best, 1, len(offsets_m) - 2)
+    left, middle, right = (np.take_along_axis(scores, (inner + d)[None], axis=0)[0] for d in (-1, 0, 1))
+    curvature = left - 2 * middle + right
+    shift = np.where(curvature < 0, (left - right) / (2 * np.where(curvature < 0, curvature, -1)), np.nan)
+    step = offsets_m[1] - offsets_m[0]
+    found = start_m + offsets_m[inner] + shift * step
+    good = (best == inner) & (np.abs(shift) <= 1)
+    height = middle - curvature * shift**2 / 2
+    return (
+        np.where(good, found, np.nan).astype(np.float32),
+        np.where(good, height, np.nan).astype(np.float32),
+    )
+
+
+class SurfaceView:
+    """Looks up a grid's cells in one frame, for any radius."""
+
+    def __init__(self, lens: Lens, poses: Poses, frame: int, grid: SweepGrid) -> None:
+        rotation, translation = poses.rotations[frame], poses.translations[frame]
+        outward = np.stack([np.cos(grid.azimuth), np.zeros_like(grid.azimuth), -np.sin(grid.azimuth)], axis=1)
+        self.frame = frame
+        self._base = (grid.axis.at(grid.y_m) @ rotation.T + translation).T.astype(np.float32)[:, :, None]
+        self._outward = (outward @ rotation.T).T.astype(np.float32)[:, None, :]
+        self._lens, self._k = lens, np.float32(coefficient(lens))
+
+    def pixels(self, radius_m: Image) -> tuple[Image, Image]:
+        """Where the cells lie in the frame, OpenCV's origin (centre of the first pixel)."""
+        x, y, z = self._base + radius_m * self._outward
+        u, v = x / z, y / z
+        # distort: the root of k u d^2 - d + u = 0 that goes to u for k -> 0
+        grow = 2 * self._lens.focal_px / (1 + np.sqrt(np.maximum(1 - 4 * self._k * (u * u + v * v), 0)))
+        cx, cy = self._lens.principal_point_px
+        return (u * grow + np.float32(cx - 0.5), v * grow + np.float32(cy - 0.5))
+
+    def sample(self, image: Image, radius_m: Image) -> Image:
+        """The frame's values at the cells, (n, m) or (n, m, 3)."""
+        column, row = self.pixels(radius_m)
+        return np.asarray(cv2.remap(image, column, row, cv2.INTER_CUBIC), dtype=np.float32)
+
+    def visible(self, radius_m: Image, window: int) -> Image:
+        """1 where the whole comparison window lies in the frame, else 0."""
+        column, row = self.pixels(radius_m)
+        inside = (column > 1) & (column < self._lens.width_px - 3) & (row > 1)
+        inside &= row < self._lens.height_px - 3
+        kernel = np.ones((window, window), dtype=np.uint8)
+        return cv2.erode(inside.astype(np.uint8), kernel, borderValue=1).astype(np.float32)
+
+
+class _Template:
+    """The reference warped for one radius, ready to be correlated."""
+
+    def __init__(self, image: Image, window: int) -> None:
+        self._image, self._window = image, window
+        self._mean = self._box(image)
+        self._variance = self._box(image * image) - self._mean**2
+
+    def correlate(self, other: Image) -> Image:
+        """Normalised cross-correlation of every window."""
+        mean = self._box(other)
+        variance = self._box(other * other) - mean**2
+        product = self._box(self._image * other) - self._mean * mean
+        return product / np.sqrt(np.maximum(self._variance * variance, 1e-3) + 1.0)
+
+    def _box(self, image: Image) -> Image:
+        size = (self._window, self._window)
+        return np.asarray(cv2.boxFilter(image, cv2.CV_32F, size, borderType=cv2.BORDER_REFLECT))

@@ -1,0 +1,104 @@
+"""The run folder: what is finished is kept, what depends on a change is made again.
+
+Every product carries a stamp of all it was made from (inputs by content, options, the program's version).
+Asking for a product whose stamp is already on disk loads it; otherwise it is built, written to a temporary
+name and renamed.  So an interrupted run resumes, and a changed option invalidates exactly what depends on it.
+"""
+
+import contextlib
+import json
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipeline.core import store
+from pipeline.core.errors import StageError
+from pipeline.core.files import write_json, write_text
+
+VERSION = "1"  # raise it when a stage's algorithm changes, so that old products are not taken for new ones
+
+
+@dataclass(frozen=True)
+class Product[T]:
+    """A stage's result and the stamp of everything it depends on."""
+
+    value: T
+    stamp: str
+
+
+class RunFolder:
+    """One run on disk.
+
+    Args:
+        path: the folder; made if missing.
+        fresh: names of the stages that must be made again even if they are finished.
+        only: names of the stages that may run (None: all); a missing product of another stage is an error.
+
+    Raises:
+        StageError: the folder cannot be written.
+    """
+
+    def __init__(
+        self, path: Path, fresh: frozenset[str] = frozenset(), only: frozenset[str] | None = None
+    ) -> None:
+        self.path = path.absolute()
+        self._fresh = fresh
+        self._only = only
+        self.timing_s: dict[str, float] = {}
+        try:
+            (self.path / "products").mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise StageError(
+                "run", f"cannot write to {path} ({error.strerror})", "choose another --out folder"
+            ) from error
+        self._load_timing()
+
+    def block(self, name: str) -> Path:
+        """The folder of one block's own files."""
+        folder = self.path / "blocks" / name
+        folder.mkdir(parents=True, exist_ok=True)
+        return folder
+
+    def product[T](
+        self, stage: str, kind: type[T], build: Callable[[], T], *needs: object, block: str = ""
+    ) -> Product[T]:
+        """The finished product of a stage, from disk if nothing it needs has changed.
+
+        Args:
+            stage: name of the stage.
+            kind: the frozen dataclass that ``build`` returns.
+            build: makes the product; called only when needed.
+            *needs: everything the product depends on: Products (by their stamp) and plain frozen values.
+            block: name of the block, for stages that work block by block.
+        """
+        wanted = store.stamp(
+            VERSION, stage, block, *(n.stamp if isinstance(n, Product) else n for n in needs)
+        )
+        file = self.path / "products" / f"{block or 'all'}-{stage}.npz"
+        mark = file.with_suffix(".stamp")
+        if stage not in self._fresh and mark.exists() and mark.read_text() == wanted:
+            with contextlib.suppress(FileNotFoundError):  # someone tidied up: make it again
+                return Product(store.load(kind, file, self.path), wanted)
+        if self._only is not None and stage not in self._only:
+            raise StageError(
+                "run",
+                f"the stage {stage} is not finished in {self.path.name}",
+                "run it first, without --only",
+            )
+        began = time.monotonic()
+        mark.unlink(missing_ok=True)
+        value = build()
+        store.save(value, file, self.path)
+        write_text(mark, wanted, "run")
+        self._note_time(stage, block, time.monotonic() - began)
+        return Product(value, wanted)
+
+    def _note_time(self, stage: str, block: str, seconds: float) -> None:
+        self.timing_s[f"{stage}/{block}" if block else stage] = round(seconds, 3)
+        write_json(self.path / "products" / "timing.json", self.timing_s, "run")
+
+    def _load_timing(self) -> None:
+        file = self.path / "products" / "timing.json"
+        if file.exists():
+            self.timing_s = json.loads(file.read_text())

@@ -1,0 +1,266 @@
+"""The sections of the page, one function each.
+
+Each takes the writer and the report's data and gives HTML, or "" where the run has nothing to show.
+"""
+
+from pipeline.report import section_plots
+from pipeline.report.lens_plots import lens_effect_plot
+from pipeline.report.markup import Writer, escaped, number
+from pipeline.report.metrics import (
+    compare_with_truth,
+    mean,
+    mean_absolute_error_mm,
+    residual_gain,
+    worst,
+)
+from pipeline.report.pictures import data_address, jpeg_bytes, reduced
+from pipeline.report.plots import axis_plot, diameter_plot, time_plot
+from pipeline.report.tables import (
+    diameters_table,
+    lens_effect_table,
+    mosaic_table,
+    paper_diameters_table,
+    triangulation_table,
+)
+from pipeline.report.types import Picture, ReportData, UnrolledPicture
+from pipeline.report.viewer import ViewerOptions, viewer_record
+
+_FILES = ("model.glb", "model.ply", "cloud.ply", "unrolled.png", "diameters.csv", "report.json")
+# From this ratio on the lens correction is worth a claim, either way.
+_CLEAR_GAIN = 1.1
+
+
+def header(writer: Writer, data: ReportData) -> str:
+    """Name, size of the survey, headline figures, warnings."""
+    images = sum(block.images for block in data.blocks)
+    facts = [
+        writer.say("length", value=number(data.length_m, 2)),
+        writer.say("block_count", value=str(len(data.blocks))),
+        writer.say("image_count", value=str(images)),
+    ]
+    head = (
+        f'<p class="kind">{writer.say("title")}</p><h1>{escaped(data.name)}</h1>'
+        f'{writer.say("subtitle", "p", 'class="subtitle"')}<p class="facts">{" · ".join(facts)}</p>'
+    )
+    return head + f'<div class="cards">{_cards(writer, data)}</div>' + _warnings(writer, data)
+
+
+def _cards(writer: Writer, data: ReportData) -> str:
+    diameters_mm = [station.diameter_mm for station in data.stations]
+    cards = [
+        _card(
+            writer,
+            "mean_diameter",
+            f"{number(mean(diameters_mm), 2)} mm",
+            writer.say("mean_diameter_note", value=str(len(data.stations))),
+        )
+    ]
+    compared = compare_with_truth(data.stations, data.truth)
+    if compared:
+        error = f"{number(mean_absolute_error_mm(compared), 3)} mm"
+        cards.append(_card(writer, "mae", error, writer.say("mae_note")))
+    sigma_mm = worst([station.sigma_mm for station in data.stations])
+    names = [station.name for station in data.stations if station.sigma_mm == sigma_mm]
+    note = writer.say("worst_sigma_note", name=names[0]) if names else ""
+    cards.append(_card(writer, "worst_sigma", f"{number(sigma_mm, 3)} mm", note))
+    images = sum(block.images for block in data.blocks)
+    calibrated = sum(block.calibrated for block in data.blocks)
+    share = f"{100 * calibrated / images:.0f} %" if images else "–"
+    note = writer.say("calibrated_note", calibrated=str(calibrated), images=str(images))
+    cards.append(_card(writer, "calibrated_short", share, note))
+    if data.axis is not None:
+        value = f"{number(data.axis.straightness_mm_per_m, 2)} mm/m"
+        cards.append(_card(writer, "straightness", value, writer.say("straightness_note")))
+    return "".join(cards)
+
+
+def _card(writer: Writer, key: str, value: str, note: str) -> str:
+    name = writer.say(key, "p", 'class="name"')
+    return f'<div class="card">{name}<p class="value">{escaped(value)}</p><p class="note">{note}</p></div>'
+
+
+def _warnings(writer: Writer, data: ReportData) -> str:
+    if not data.warnings:
+        return ""
+    items = "".join(f"<li>{escaped(warning)}</li>" for warning in data.warnings)
+    return f'<aside class="warnings">{writer.say("warnings", "h2")}<ul>{items}</ul></aside>'
+
+
+def diameters(writer: Writer, data: ReportData) -> str:
+    """Table 2, the plot along the cable, the axis, and the paper's Table 2 where truth is known."""
+    html = diameters_table(writer, data.stations, data.truth)
+    plot = diameter_plot(data.stations, data.truth, data.profile, writer.language)
+    html += writer.figure(plot, writer.say("profile_caption", "figcaption"))
+    if data.axis is not None and len(data.axis.position_m):
+        caption = writer.say("axis_caption", "figcaption", value=number(data.axis.straightness_mm_per_m, 3))
+        html += writer.figure(axis_plot(data.axis, writer.language), caption)
+    if data.truth:
+        html += f'<div class="quiet">{paper_diameters_table(writer)}</div>'
+    return html
+
+
+def model(writer: Writer, data: ReportData, options: ViewerOptions) -> str:
+    """The 3D view and the record it draws."""
+    if data.mesh is None:
+        return ""
+    boxes = (
+        f'<label><input type="checkbox" name="texture" checked>{writer.say("viewer_texture")}</label>'
+        f'<label><input type="checkbox" name="turn" checked>{writer.say("viewer_turn")}</label>'
+    )
+    missing = writer.say("viewer_missing", "p", 'class="missing"')
+    record = viewer_record(data.mesh, data.stations, options)
+    return (
+        '<div id="viewer"><canvas tabindex="0"></canvas><div class="ring-labels"></div>'
+        f'<div class="controls">{boxes}</div>{missing}<noscript>{missing}</noscript></div>'
+        f"{writer.say('viewer_hint', 'p', 'class="note"')}"
+        f'<script type="application/json" id="viewer-data">{record}</script>'
+    )
+
+
+def unrolled(writer: Writer, data: ReportData, max_pixels: int, block_side_px: int) -> str:
+    """The unrolled surface, and what each block contributed."""
+    html = ""
+    if data.unrolled is not None:
+        html += _unrolled_figure(writer, data.unrolled, max_pixels)
+    if data.block_unrolled:
+        html += writer.say("block_pictures", "h3")
+        figures = [
+            writer.figure(
+                _picture(picture.image, block_side_px, picture.name, zoomable=True),
+                f"<figcaption>{escaped(picture.name)}</figcaption>",
+                "thumbnail",
+            )
+            for picture in data.block_unrolled
+        ]
+        html += f'<div class="thumbnails">{"".join(figures)}</div>'
+    return html
+
+
+def _unrolled_figure(writer: Writer, picture: UnrolledPicture, max_pixels: int) -> str:
+    height, width = picture.image.shape[:2]
+    caption = writer.say(
+        "unrolled_caption",
+        scale=number(picture.mm_per_px, 3),
+        arc=number(width * picture.mm_per_px, 0),
+        length=number(height * picture.mm_per_px, 0),
+    )
+    axes = writer.say(
+        "unrolled_axes",
+        left=number(picture.theta_range_deg[0], 0),
+        right=number(picture.theta_range_deg[1], 0),
+        top=number(picture.y_range_m[0], 3),
+        bottom=number(picture.y_range_m[1], 3),
+    )
+    link = writer.say("unrolled_file", "a", 'href="unrolled.png"')
+    image = reduced(picture.image, 16_000, max_pixels)
+    content = _image(data_address(jpeg_bytes(image), "image/jpeg"), "unrolled", zoomable=True)
+    return writer.figure(content, f"<figcaption>{caption} {axes} {link}</figcaption>", "unrolled")
+
+
+def sections(writer: Writer, data: ReportData) -> str:
+    """The cross sections with their deviation from the circle enlarged."""
+    shown = section_plots.shown_stations(data.stations)
+    if not shown:
+        return ""
+    factor = section_plots.exaggeration(shown)
+    text = writer.say("sections_caption", factor=str(factor))
+    if len(shown) < len(data.stations):
+        text += " " + writer.say("sections_some", shown=str(len(shown)), total=str(len(data.stations)))
+    plot = section_plots.sections_plot(shown, factor, writer.language)
+    return writer.figure(plot, f"<figcaption>{text}</figcaption>")
+
+
+def triangulation(writer: Writer, data: ReportData) -> str:
+    """Table 1."""
+    return triangulation_table(writer, data.blocks) if data.blocks else ""
+
+
+def lens(writer: Writer, data: ReportData, max_side_px: int) -> str:
+    """Distortion grid, and a frame before and after (figures 2 and 3 of the paper)."""
+    if not data.lens_pictures:
+        return ""
+    html = writer.say("lens_intro", "p")
+    for pictures in data.lens_pictures:
+        figures = [
+            writer.figure(
+                _picture(picture, max_side_px, f"{pictures.block} {key}", zoomable=True),
+                writer.say(key, "figcaption"),
+                "picture",
+            )
+            for key, picture in (
+                ("grid", pictures.grid),
+                ("before", pictures.before),
+                ("after", pictures.after),
+            )
+        ]
+        html += f'<h3>{escaped(pictures.block)}</h3><div class="three">{"".join(figures)}</div>'
+    return html
+
+
+def lens_effect(writer: Writer, data: ReportData) -> str:
+    """What the correction changes: a sentence, a table, and figures 5 and 6 of the paper."""
+    if not data.lens_effects:
+        return ""
+    html = f'<p class="lead">{_lens_effect_sentence(writer, data)}</p>'
+    html += lens_effect_table(writer, data.lens_effects)
+    angles_deg = {block.name: block.angle_deg for block in data.blocks}
+    for index, effect in enumerate(data.lens_effects):
+        if not len(effect.points_corrected_mm) or not len(effect.points_uncorrected_mm):
+            continue
+        plot = lens_effect_plot(effect, angles_deg.get(effect.block, 0.0), f"effect{index}", writer.language)
+        html += writer.figure(plot, writer.say("lens_effect_figure", "figcaption", block=effect.block))
+    return html
+
+
+def _lens_effect_sentence(writer: Writer, data: ReportData) -> str:
+    gain = residual_gain(data.lens_effects)
+    clear = "lens_effect_helps" if gain >= _CLEAR_GAIN else "lens_effect_worse"
+    key = clear if not 1 / _CLEAR_GAIN < gain < _CLEAR_GAIN else "lens_effect_little"
+    sentence = writer.say(
+        key,
+        factor=number(gain, 1 if gain < 10 else 0),
+        without=number(mean([effect.residual_uncorrected_mm for effect in data.lens_effects]), 3),
+        corrected=number(mean([effect.residual_corrected_mm for effect in data.lens_effects]), 3),
+    )
+    if data.truth:
+        true_mm = mean([station.diameter_mm for station in data.truth])
+        without = [abs(effect.diameter_uncorrected_mm - true_mm) for effect in data.lens_effects]
+        corrected = [abs(effect.diameter_corrected_mm - true_mm) for effect in data.lens_effects]
+        sentence += " " + writer.say(
+            "lens_effect_truth", without=number(mean(without), 2), corrected=number(mean(corrected), 2)
+        )
+    return sentence
+
+
+def mosaic(writer: Writer, data: ReportData) -> str:
+    """How the blocks were joined."""
+    return mosaic_table(writer, data.mosaic) if data.mosaic is not None else ""
+
+
+def resources(writer: Writer, data: ReportData) -> str:
+    """Seconds per stage and peak memory."""
+    if not data.timing_s:
+        return ""
+    caption = writer.say(
+        "timing_caption",
+        "figcaption",
+        total=number(sum(data.timing_s.values()), 1),
+        memory=number(data.peak_memory_mb, 0),
+    )
+    return writer.figure(time_plot(data.timing_s, writer.language), caption)
+
+
+def file_list(writer: Writer) -> str:
+    """The files that lie beside the page, and the frame of reference they are in."""
+    items = [f'<li><a href="{name}">{name}</a> {writer.say(f"file_{name}")}</li>' for name in _FILES]
+    return f'<ul class="files">{"".join(items)}</ul>{writer.say("frame_note", "p", 'class="note"')}'
+
+
+def _picture(picture: Picture, max_side_px: int, name: str, *, zoomable: bool) -> str:
+    address = data_address(jpeg_bytes(reduced(picture, max_side_px)), "image/jpeg")
+    return _image(address, name, zoomable=zoomable)
+
+
+def _image(address: str, name: str, *, zoomable: bool) -> str:
+    image = f'<img src="{address}" alt="{escaped(name)}">'
+    return f'<button class="zoom" type="button">{image}</button>' if zoomable else image

@@ -1,0 +1,225 @@
+"""The order of things: texture, scene, every frame of every block, videos, truth, survey.  Needs bpy.
+
+Resumes: frames that an interrupted run left are kept as long as specification and renderer are the same.
+"""
+
+import hashlib
+import json
+import shutil
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import cv2
+import numpy as np
+import OpenEXR
+from numpy.typing import NDArray
+
+from pipeline.core.errors import StageError
+from pipeline.core.events import Emit, Event
+from pipeline.core.vocabulary import Lens, Poses
+from synth.lens import block_lenses
+from synth.motion import block_poses, ring_motion
+from synth.scene import Scene, build_scene, lamps_in_ring
+from synth.sensor import develop
+from synth.spec import Output, Spec
+from synth.spec_reader import effective
+from synth.texture import encode, surface_texture
+from synth.tracer import Moment, Picture, trace
+from synth.truth import source_name, survey_toml, truth_of
+from synth.video import write_video
+
+VERSION = 1  # raise it when the same specification gives other pictures
+WORK = ".synth"
+BLUR_MOMENTS = 8
+
+
+def render_survey(spec: Spec, out: Path, emit: Emit) -> Path:
+    """Render a whole survey.
+
+    Args:
+        spec: what to render.
+        out: folder of the products; made if missing.
+        emit: progress, one event a frame.
+
+    Returns:
+        The survey.toml, written last, so that it stands for a whole product.
+
+    Raises:
+        StageError: the folder cannot be written, or a frame was not traced as specified.
+        Cancelled: from ``emit``.
+    """
+    work = _open_folder(spec, out)
+    survey = out / "survey.toml"
+    if survey.exists():
+        return survey
+    job = _Job(spec=spec, work=work)
+    total = len(spec.blocks) * spec.robot.frames
+    for block in range(len(spec.blocks)):
+        for frame in range(spec.robot.frames):
+            _frame(job, out, block, frame)
+            done = block * spec.robot.frames + frame + 1
+            emit(Event(stage="render", done=done, total=total, block=spec.blocks[block]))
+        _deliver(job, out, block)
+    _write_text(out / "truth.json", json.dumps(truth_of(spec)))
+    _write_text(survey, survey_toml(spec))
+    shutil.rmtree(work / "frames", ignore_errors=True)
+    return survey
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Job:
+    """What all frames share, built only when the first frame asks for it."""
+
+    spec: Spec
+    work: Path
+
+    @cached_property
+    def scene(self) -> Scene:
+        texture = self.work / "texture.png"
+        painted = encode(surface_texture(self.spec.cable, self.spec.robot, self.spec.seed))
+        _write_png(texture, painted[::-1])  # Blender counts rows from the bottom
+        return build_scene(self.spec, texture)
+
+    @cached_property
+    def lenses(self) -> tuple[Lens, ...]:
+        return block_lenses(self.spec)
+
+    def poses(self, shift: float) -> tuple[Poses, ...]:
+        return block_poses(self.spec, shift)
+
+
+def _frame(job: _Job, out: Path, block: int, frame: int) -> None:
+    """Render one frame, unless it is there."""
+    spec = job.spec
+    picture = _frame_file(job, out, block, frame)
+    depth_file = out / "depth" / f"{spec.blocks[block].lower()}_{frame:04d}.exr"
+    wants_depth = frame in spec.depth_frames
+    if _delivered(job, out, block) or (picture.exists() and (not wants_depth or depth_file.exists())):
+        return
+    shifts = _shutter(spec)
+    light, depth = _exposure(job, block, frame, shifts[0], 0)
+    for index, shift in enumerate(shifts[1:], start=1):
+        light = light + _exposure(job, block, frame, shift, index)[0]
+    grey = develop(light / len(shifts), job.lenses[block], spec.sensor, (spec.seed, 51, block, frame))
+    if wants_depth:
+        if len(shifts) > 1:
+            depth = _exposure(job, block, frame, 0.0, len(shifts))[1]
+        _write_depth(depth_file, depth)
+    _write_png(picture, grey)
+
+
+def _exposure(job: _Job, block: int, frame: int, shift: float, index: int) -> tuple[Picture, Picture]:
+    spec = job.spec
+    poses = job.poses(shift)[block]
+    run = 0 if spec.robot.synchronised else block
+    moment = np.array([(frame + shift) / (spec.robot.frames - 1)])
+    rotation, origin = ring_motion(spec, moment, run)
+    name = f"{spec.blocks[block]} frame {frame}"
+    seed = int(np.random.SeedSequence([spec.seed, 61, block, frame, index]).generate_state(1)[0] >> 1)
+    return trace(
+        job.scene,
+        Moment(
+            lens=job.lenses[block],
+            rotation=poses.rotations[frame],
+            translation=poses.translations[frame],
+            lamps_in_world=lamps_in_ring(spec) @ rotation[0].T + origin[0],
+            seed=seed,
+            name=name,
+        ),
+        job.work,
+    )
+
+
+def _shutter(spec: Spec) -> list[float]:
+    """Moments within the open shutter, in frame intervals about the moment of the frame."""
+    if spec.sensor.motion_blur_mm == 0.0:
+        return [0.0]
+    open_for = spec.sensor.motion_blur_mm / 1000.0 * (spec.robot.frames - 1) / spec.robot.travel_m
+    return [open_for * ((i + 0.5) / BLUR_MOMENTS - 0.5) for i in range(BLUR_MOMENTS)]
+
+
+def _deliver(job: _Job, out: Path, block: int) -> None:
+    """Encode a block's video; images are in their place already."""
+    spec = job.spec
+    if spec.sensor.output == Output.VIDEO and not _delivered(job, out, block):
+        files = [_frame_file(job, out, block, frame) for frame in range(spec.robot.frames)]
+        write_video(
+            (_read_png(file) for file in files),
+            out / source_name(spec, block),
+            crf=spec.sensor.video_crf,
+            frames_per_second=spec.sensor.frames_per_second,
+        )
+
+
+def _delivered(job: _Job, out: Path, block: int) -> bool:
+    return job.spec.sensor.output == Output.VIDEO and (out / source_name(job.spec, block)).exists()
+
+
+def _frame_file(job: _Job, out: Path, block: int, frame: int) -> Path:
+    folder = out if job.spec.sensor.output == Output.IMAGES else job.work / "frames"
+    return folder / job.spec.blocks[block].lower() / f"{frame:04d}.png"
+
+
+def _open_folder(spec: Spec, out: Path) -> Path:
+    """Make the folder and its stamp; clear what another specification left.
+
+    Raises:
+        StageError: it cannot be made or written, or holds what synth did not write.
+    """
+    work = out / WORK
+    stamp = hashlib.sha256(json.dumps([VERSION, effective(spec)], sort_keys=True).encode()).hexdigest()
+    stamp_file = work / "stamp"
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        if stamp_file.exists() and stamp_file.read_text() != stamp:
+            _clear(out)
+        elif not stamp_file.exists() and (out / "survey.toml").exists():
+            raise StageError("render", f"{out} holds a survey that synth did not write", "name another folder")
+        work.mkdir(exist_ok=True)
+        _write_text(stamp_file, stamp)
+    except OSError as error:
+        raise StageError("render", f"{out} cannot be written ({error})", "name a folder you may write") from error
+    return work
+
+
+def _clear(out: Path) -> None:
+    """Remove the products of another specification, and nothing else."""
+    for file in [out / "survey.toml", out / "truth.json", *out.glob("block*.mp4"), *out.glob("depth/block*.exr")]:
+        file.unlink(missing_ok=True)
+    for file in out.glob("block*/[0-9][0-9][0-9][0-9].png"):
+        file.unlink()
+    shutil.rmtree(out / WORK)
+
+
+def _write_text(path: Path, text: str) -> None:
+    temporary = path.with_name(path.name + ".part")
+    temporary.write_text(text, encoding="utf-8")
+    temporary.replace(path)
+
+
+def _write_png(path: Path, picture: NDArray[np.uint8]) -> None:
+    """Write (height, width, 3 or 4) red, green, blue(, alpha); OpenCV wants blue first."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    code = cv2.COLOR_RGBA2BGRA if picture.shape[2] == 4 else cv2.COLOR_RGB2BGR
+    temporary = path.with_name(path.stem + ".part.png")
+    if not cv2.imwrite(str(temporary), cv2.cvtColor(picture, code), [cv2.IMWRITE_PNG_COMPRESSION, 1]):
+        raise StageError("render", f"{path} cannot be written", "check the space on the disk")
+    temporary.replace(path)
+
+
+def _read_png(path: Path) -> NDArray[np.uint8]:
+    picture = cv2.imread(str(path), cv2.IMREAD_COLOR)
+    if picture is None:
+        raise StageError("render", f"{path} cannot be read back", "delete it and start again")
+    return np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2RGB), np.uint8)
+
+
+def _write_depth(path: Path, depth: Picture) -> None:
+    """One-channel OpenEXR ``Z``: metres along the optical axis at the pixels' centres, 0 where no cable is."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(path.stem + ".part.exr")
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    with OpenEXR.File(header, {"Z": depth}) as exr:
+        exr.write(str(temporary))
+    temporary.replace(path)

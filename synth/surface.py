@@ -1,0 +1,97 @@
+"""The true surface of the cable: its radius as a function of azimuth and position; pure, from the spec only.
+
+Leaves out what the surface looks like (:mod:`synth.texture`) and how it is meshed (:mod:`synth.mesh`).
+"""
+
+import math
+
+import numpy as np
+
+from pipeline.core.vocabulary import Array
+from synth.spec import Cable
+
+
+def mean_radius_m(cable: Cable, y_m: Array) -> Array:
+    """Radius averaged over the azimuth, without fillets.
+
+    Between stations the fifth-degree smoothstep 6 s^5 - 15 s^4 + 10 s^3: first and second derivative vanish at
+    the stations, so the profile is C2, and constant beyond the first and last one.
+
+    Args:
+        cable: the cable.
+        y_m: positions along the axis, any shape, metres.
+
+    Returns:
+        Radii in metres, same shape.
+    """
+    y = np.asarray(y_m, dtype=np.float64)
+    stations = [s for s in cable.station if s.diameter_mm is not None]
+    if not stations:
+        return np.full(y.shape, cable.diameter_mm / 2000.0)
+    places = np.array([s.position_m for s in stations])
+    radii = np.array([float(s.diameter_mm or 0.0) / 2000.0 for s in stations])
+    if len(stations) == 1:
+        return np.full(y.shape, radii[0])
+    i = np.clip(np.searchsorted(places, y, side="right") - 1, 0, len(places) - 2)
+    s = np.clip((y - places[i]) / (places[i + 1] - places[i]), 0.0, 1.0)
+    return radii[i] + (radii[i + 1] - radii[i]) * s**3 * (10.0 + s * (6.0 * s - 15.0))
+
+
+def radius_m(cable: Cable, azimuth_rad: Array, y_m: Array) -> Array:
+    """Radius of the surface about the y axis.
+
+    The ovality term (w / 4) cos 2(a - a0) makes the diameter 2 r swing by w between its largest and smallest
+    value and leaves its mean alone.
+
+    Args:
+        cable: the cable.
+        azimuth_rad, y_m: places on the surface, broadcast against each other; azimuth a is (cos a, 0, -sin a).
+
+    Returns:
+        Radii in metres, of the broadcast shape.
+    """
+    azimuth, y = np.broadcast_arrays(np.asarray(azimuth_rad, float), np.asarray(y_m, float))
+    swing = np.cos(2.0 * (azimuth - math.radians(cable.ovality_angle_deg)))
+    radius: Array = mean_radius_m(cable, y) + cable.ovality_mm / 4000.0 * swing
+    if cable.fillet is not None:
+        radius = radius + fillet_height_m(cable, azimuth, y)
+    return radius
+
+
+def fillet_height_m(cable: Cable, azimuth_rad: Array, y_m: Array) -> Array:
+    """Height of the two helical ribs over the sheath: h cos^2(pi s / w) within |s| < w / 2, else 0.
+
+    Args:
+        cable: a cable with a fillet.
+        azimuth_rad, y_m: places on the surface, same shape.
+
+    Returns:
+        Heights in metres; s is the arc to the nearer rib on the nominal radius.
+    """
+    fillet = cable.fillet
+    if fillet is None:
+        return np.zeros(np.shape(azimuth_rad))
+    turned = azimuth_rad - math.radians(fillet.angle_deg) - 2.0 * math.pi * y_m / fillet.pitch_m
+    to_rib = (turned + math.pi / 2.0) % math.pi - math.pi / 2.0  # two ribs: the pattern repeats every half turn
+    arc_over_width = to_rib * base_radius_m(cable) * 1000.0 / fillet.width_mm
+    bump = np.cos(math.pi * np.clip(arc_over_width, -0.5, 0.5)) ** 2
+    return np.asarray(fillet.height_mm / 1000.0 * bump, dtype=np.float64)
+
+
+def base_radius_m(cable: Cable) -> float:
+    """One nominal radius for the whole cable, which texture and fillet widths refer to."""
+    given = [s.diameter_mm for s in cable.station if s.diameter_mm is not None]
+    return float(np.mean(given)) / 2000.0 if given else cable.diameter_mm / 2000.0
+
+
+def largest_radius_m(cable: Cable) -> float:
+    """Largest radius anywhere on the cable."""
+    diameters = [s.diameter_mm for s in cable.station if s.diameter_mm is not None] or [cable.diameter_mm]
+    height_mm = cable.fillet.height_mm if cable.fillet is not None else 0.0
+    return max(diameters) / 2000.0 + cable.ovality_mm / 4000.0 + height_mm / 1000.0
+
+
+def mean_diameter_mm(cable: Cable, y_m: float, steps: int = 3600) -> float:
+    """Mean over the azimuth of 2 r at one position, fillets included, in mm."""
+    azimuth = np.arange(steps) * (2.0 * math.pi / steps)
+    return float(2000.0 * radius_m(cable, azimuth, np.full(steps, y_m)).mean())

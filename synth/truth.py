@@ -1,0 +1,132 @@
+"""truth.json: what the survey really was, computed from the spec alone, and the survey.toml that claims it.
+
+Layout of truth.json: ``format`` 1; ``stations`` [{name, position_m, diameter_mm, base_diameter_mm}], where
+diameter_mm is the mean over the azimuth of 2 r (fillets included) and base_diameter_mm the same without
+fillets; ``radius_mm`` {theta_deg, position_m, values}, one row of values per position; ``poses`` {block:
+[{frame, cam_from_world}]}, 3 x 4; ``lenses`` {block: {...}}; ``travel_m``; ``spec``.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from synth.lens import block_lenses
+from synth.motion import block_poses
+from synth.spec import Output, Spec
+from synth.spec_reader import effective
+from synth.surface import base_radius_m, mean_diameter_mm, mean_radius_m, radius_m
+
+RADIUS_STEP_DEG = 2.0
+RADIUS_STEP_M = 0.002
+
+
+def truth_of(spec: Spec) -> dict[str, Any]:
+    """Everything that evaluation compares against, as plain JSON values."""
+    return {
+        "format": 1,
+        "stations": _stations(spec),
+        "radius_mm": _radius_map(spec),
+        "poses": _poses(spec),
+        "lenses": _lenses(spec),
+        "travel_m": spec.robot.travel_m,
+        "spec": effective(spec),
+    }
+
+
+def _stations(spec: Spec) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": station.name,
+            "position_m": station.position_m,
+            "diameter_mm": mean_diameter_mm(spec.cable, station.position_m),
+            "base_diameter_mm": float(2000.0 * mean_radius_m(spec.cable, np.array(station.position_m))),
+        }
+        for station in spec.cable.station
+    ]
+
+
+def _radius_map(spec: Spec) -> dict[str, Any]:
+    theta_deg = np.arange(0.0, 360.0, RADIUS_STEP_DEG)
+    rows = math.ceil(spec.robot.travel_m / RADIUS_STEP_M) + 1
+    position_m = np.linspace(0.0, spec.robot.travel_m, rows)
+    values_mm = 1000.0 * radius_m(spec.cable, np.radians(theta_deg)[None, :], position_m[:, None])
+    return {
+        "theta_deg": theta_deg.tolist(),
+        "position_m": position_m.tolist(),
+        "values": np.round(values_mm, 6).tolist(),
+    }
+
+
+def _poses(spec: Spec) -> dict[str, Any]:
+    return {
+        block: [
+            {"frame": frame, "cam_from_world": np.column_stack([rotation, translation]).tolist()}
+            for frame, (rotation, translation) in enumerate(
+                zip(poses.rotations, poses.translations, strict=True)
+            )
+        ]
+        for block, poses in zip(spec.blocks, block_poses(spec), strict=True)
+    }
+
+
+def _lenses(spec: Spec) -> dict[str, Any]:
+    return {
+        block: {
+            "focal_px": lens.focal_px,
+            "principal_point_px": list(lens.principal_point_px),
+            "division_lambda": lens.division_lambda,
+            "lambda_radius": str(lens.lambda_radius),
+            "width_px": lens.width_px,
+            "height_px": lens.height_px,
+        }
+        for block, lens in zip(spec.blocks, block_lenses(spec), strict=True)
+    }
+
+
+def survey_toml(spec: Spec) -> str:
+    """The survey.toml of the contract, with the claims of ``spec.survey`` instead of the truth."""
+    claim, robot = spec.survey, spec.robot
+    lines = ["format = 1", f'name = "{spec.name}"', "", "[cable]"]
+    lines.append(f"travel_m = {_num(robot.travel_m * (1.0 + claim.travel_error_percent / 100.0))}")
+    if claim.diameter_given:
+        lines.append(f"diameter_mm = {_num(round(2000.0 * base_radius_m(spec.cable)))}")
+    for station in spec.cable.station:
+        lines += ["[[cable.station]]", f'name = "{station.name}"', f"position_m = {_num(station.position_m)}"]
+    lines += ["", "[robot]", f"standoff_m = {_num(robot.standoff_m)}"]
+    lines.append(f"synchronised = {str(robot.synchronised).lower()}")
+    for index in range(len(spec.blocks)):
+        lines += _block_lines(spec, index)
+    return "\n".join(lines) + "\n"
+
+
+def _block_lines(spec: Spec, index: int) -> list[str]:
+    claim, lens = spec.survey, spec.lens
+    lines = [
+        "",
+        "[[block]]",
+        f'name = "{spec.blocks[index]}"',
+        f'source = "{source_name(spec, index)}"',
+        f"angle_deg = {_num(spec.angles_deg[index])}",
+        f'travel_in_image = "{spec.robot.travel_in_image}"',
+        "[block.lens]",
+        f"focal_px = {_num(lens.focal_px * (1.0 + claim.focal_error_percent / 100.0))}",
+    ]
+    if lens.principal_point_px is not None:
+        x, y = lens.principal_point_px
+        lines.append(f"principal_point_px = [{_num(x)}, {_num(y)}]")
+    if claim.lambda_given:
+        lines.append(f"division_lambda = {_num(lens.division_lambda + claim.lambda_error)}")
+        lines.append(f'lambda_radius = "{lens.lambda_radius}"')
+    lines.append(f"calibrated = {str(claim.calibrated).lower()}")
+    return lines
+
+
+def source_name(spec: Spec, index: int) -> str:
+    """File or folder of a block's frames, relative to survey.toml."""
+    stem = spec.blocks[index].lower()
+    return f"{stem}.mp4" if spec.sensor.output == Output.VIDEO else stem
+
+
+def _num(value: float) -> str:
+    return repr(round(float(value), 12))

@@ -1,0 +1,101 @@
+"""A result appears whole or not at all."""
+
+import json
+from enum import StrEnum
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from pipeline.core import files
+from pipeline.core.errors import StageError
+
+
+class Kind(StrEnum):
+    LEFT = "left"
+
+
+def test_a_finished_file_has_its_place_and_no_temporary_stays(tmp_path):
+    with files.replacing(tmp_path / "new" / "a.txt") as temporary:
+        temporary.write_text("whole")
+        assert not (tmp_path / "new" / "a.txt").exists()
+        assert temporary.suffix == ".txt"
+    assert [path.name for path in (tmp_path / "new").iterdir()] == ["a.txt"]
+
+
+@pytest.mark.parametrize("interruption", [KeyboardInterrupt, ValueError])
+def test_an_interrupted_write_leaves_the_old_file(tmp_path, interruption):
+    place = tmp_path / "a.txt"
+    place.write_text("old")
+
+    def write_half():
+        with files.replacing(place) as temporary:
+            temporary.write_text("half")
+            raise interruption
+
+    with pytest.raises(interruption):
+        write_half()
+    assert place.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [place]
+
+
+def test_a_folder_is_replaced_as_a_whole(tmp_path):
+    for content in ("one", "two"):
+        with files.replacing(tmp_path / "sparse") as temporary:
+            temporary.mkdir()
+            (temporary / content).write_text(content)
+    assert [path.name for path in (tmp_path / "sparse").iterdir()] == ["two"]
+    assert [path.name for path in tmp_path.iterdir()] == ["sparse"]
+
+
+def test_a_place_that_cannot_be_written_is_named(tmp_path):
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises(StageError, match=r"cannot write .*a\.txt .*; choose another folder"):
+        files.write_text(tmp_path / "file" / "a.txt", "text")
+
+
+def test_trouble_with_another_file_is_not_taken_for_trouble_with_this_one(tmp_path):
+    with pytest.raises(FileNotFoundError), files.replacing(tmp_path / "a" / "a.txt"):
+        (tmp_path / "elsewhere" / "input").read_text()
+
+
+def test_json_holds_arrays_enums_and_paths_and_never_a_nan(tmp_path):
+    value = {
+        "a": np.array([1.5, np.nan]),
+        "n": np.int64(3),
+        "k": Kind.LEFT,
+        "p": Path("b"),
+        "x": (float("inf"), 1),
+    }
+    files.write_json(tmp_path / "a.json", value)
+    written = json.loads((tmp_path / "a.json").read_text())
+    assert written == {"a": [1.5, None], "n": 3, "k": "left", "p": "b", "x": [None, 1]}
+
+
+def test_csv_floats_read_back_the_same(tmp_path):
+    files.write_csv(tmp_path / "a.csv", ["name", "x"], [["one", 0.1 + 0.2], ["two, too", 1e-17]])
+    assert (tmp_path / "a.csv").read_text() == 'name,x\none,0.30000000000000004\n"two, too",1e-17\n'
+
+
+def test_png_keeps_every_pixel(tmp_path):
+    image = np.random.default_rng(1).integers(0, 256, (20, 30, 3), dtype=np.uint8)
+    files.write_png(tmp_path / "a.png", image)
+    np.testing.assert_array_equal(cv2.imread(str(tmp_path / "a.png")), image)
+
+
+def test_natural_order_counts_as_people_do():
+    names = ["f10.png", "f9.png", "f9b.png", "a100.png", "1.png"]
+    ordered = sorted((Path(name) for name in names), key=files.natural_key)
+    assert [path.name for path in ordered] == ["1.png", "a100.png", "f9.png", "f9b.png", "f10.png"]
+
+
+def test_brackets_of_an_existing_folder_are_no_pattern(tmp_path):
+    folder = tmp_path / "cable [7]"
+    folder.mkdir()
+    for name in ("f2.png", "f10.png", "notes.txt"):
+        (folder / name).write_text("")
+    assert not files.is_pattern(folder)
+    assert files.is_pattern(folder / "*.png")
+    assert [path.name for path in files.matching(folder / "*.png")] == ["f2.png", "f10.png"]
+    assert files.matching(folder / "*.jpg") == ()

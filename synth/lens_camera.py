@@ -17,7 +17,7 @@ from synth.lens import lambda_per_focal, rays
 
 SHADER_FILE = Path(__file__).with_name("division_camera.osl")
 BLENDER_FROM_CAMERA = np.diag([1.0, -1.0, -1.0])  # Blender: x right, y up, z backward
-RAY_TOLERANCE_PX = 0.1
+RAY_TOLERANCE_PX = 0.02  # Cycles meets the closed form within 0.001 px
 RAYS_CHECKED_MIN = 50
 
 

@@ -4,6 +4,7 @@ Takes the cable, gives vertices, quads and texture coordinates.  The grid turns 
 small curvature is resolved around the girth only and the rows along the axis may be coarse.
 """
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -14,8 +15,11 @@ from pipeline.core.vocabulary import Array
 from synth.spec import Cable, Robot
 from synth.surface import base_radius_m, largest_radius_m, radius_m
 
-CHORD_ERROR_M = 1.0e-6  # half of the 0.002 mm allowed, the other half for the diagonals
-ROW_STEP_M = 0.002
+GIRTH_CHORD_ERROR_M = 1.0e-6  # of the 0.002 mm allowed, along the diagonal of a quad
+RIB_CHORD_ERROR_M = 0.6e-6
+PROFILE_CHORD_ERROR_M = 0.2e-6
+LONGEST_ROW_STEP_M = 0.002
+SMOOTHSTEP_CURVATURE = 5.774  # largest second derivative of the fifth-degree smoothstep, 10 / sqrt(3)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,7 +40,7 @@ class CableMesh:
 def cable_mesh(cable: Cable, robot: Robot) -> CableMesh:
     """Mesh the cable from one margin to the other, chord error below 0.002 mm."""
     start, end = -cable.margin_m, robot.travel_m + cable.margin_m
-    y = np.linspace(start, end, math.ceil((end - start) / ROW_STEP_M) + 1)
+    y = np.linspace(start, end, math.ceil((end - start) / _row_step_m(cable)) + 1)
     around = _angles_around(cable)
     twist = 2.0 * math.pi * y / cable.fillet.pitch_m if cable.fillet is not None else np.zeros_like(y)
     azimuth = around[None, :] + twist[:, None]
@@ -61,16 +65,34 @@ def cable_mesh(cable: Cable, robot: Robot) -> CableMesh:
     )
 
 
+def _girth_step_rad(cable: Cable) -> float:
+    """Angle that the diagonal of a quad may span: sagitta r d^2 / 8."""
+    return math.sqrt(8.0 * GIRTH_CHORD_ERROR_M / largest_radius_m(cable))
+
+
+def _row_step_m(cable: Cable) -> float:
+    """Distance of the rows: fine enough for the steepest change of the profile and for the twist."""
+    step_m = LONGEST_ROW_STEP_M
+    for a, b in itertools.pairwise(cable.station):
+        if a.diameter_mm is not None and b.diameter_mm is not None and a.diameter_mm != b.diameter_mm:
+            rise_m, length_m = abs(b.diameter_mm - a.diameter_mm) / 2000.0, b.position_m - a.position_m
+            curvature = SMOOTHSTEP_CURVATURE * rise_m / length_m**2
+            step_m = min(step_m, math.sqrt(8.0 * PROFILE_CHORD_ERROR_M / curvature))
+    if cable.fillet is not None:
+        step_m = min(step_m, 0.5 * _girth_step_rad(cable) * cable.fillet.pitch_m / (2.0 * math.pi))
+    return step_m
+
+
 def _angles_around(cable: Cable) -> Array:
-    """Azimuths of the columns: even, and denser across the fillets; sagitta r d^2 / 8, or curvature times d^2 / 8."""
-    step = math.sqrt(8.0 * CHORD_ERROR_M / largest_radius_m(cable))
-    even = np.linspace(0.0, 2.0 * math.pi, math.ceil(2.0 * math.pi / step), endpoint=False)
+    """Azimuths of the columns: even, and denser across the fillets."""
     fillet = cable.fillet
+    step = _girth_step_rad(cable) * (1.0 if fillet is None else 0.5)  # the twist takes the other half
+    even = np.linspace(0.0, 2.0 * math.pi, math.ceil(2.0 * math.pi / step), endpoint=False)
     if fillet is None:
         return even
     width_m, height_m = fillet.width_mm / 1000.0, fillet.height_mm / 1000.0
     curvature = 2.0 * height_m * (math.pi / width_m) ** 2  # of h cos^2(pi s / w) at its crest
-    count = math.ceil(width_m / math.sqrt(8.0 * CHORD_ERROR_M / curvature))
+    count = math.ceil(width_m / math.sqrt(8.0 * RIB_CHORD_ERROR_M / curvature))
     half_rad = 0.5 * width_m / base_radius_m(cable)
     first = math.radians(fillet.angle_deg)
     ribs = [first + turn + np.linspace(-half_rad, half_rad, count + 1) for turn in (0.0, math.pi)]

@@ -6,6 +6,7 @@ fillets; ``radius_mm`` {theta_deg, position_m, values}, one row of values per po
 [{frame, cam_from_world}]}, 3 x 4; ``lenses`` {block: {...}}; ``travel_m``; ``spec``.
 """
 
+import json
 import math
 from typing import Any
 
@@ -39,7 +40,7 @@ def _stations(spec: Spec) -> list[dict[str, Any]]:
         {
             "name": station.name,
             "position_m": station.position_m,
-            "diameter_mm": mean_diameter_mm(spec.cable, station.position_m),
+            "diameter_mm": round(mean_diameter_mm(spec.cable, station.position_m), 9),
             "base_diameter_mm": float(2000.0 * mean_radius_m(spec.cable, np.array(station.position_m))),
         }
         for station in spec.cable.station
@@ -87,12 +88,12 @@ def _lenses(spec: Spec) -> dict[str, Any]:
 def survey_toml(spec: Spec) -> str:
     """The survey.toml of the contract, with the claims of ``spec.survey`` instead of the truth."""
     claim, robot = spec.survey, spec.robot
-    lines = ["format = 1", f'name = "{spec.name}"', "", "[cable]"]
+    lines = ["format = 1", f"name = {_text(spec.name)}", "", "[cable]"]
     lines.append(f"travel_m = {_num(robot.travel_m * (1.0 + claim.travel_error_percent / 100.0))}")
     if claim.diameter_given:
         lines.append(f"diameter_mm = {_num(round(2000.0 * base_radius_m(spec.cable)))}")
     for station in spec.cable.station:
-        lines += ["[[cable.station]]", f'name = "{station.name}"', f"position_m = {_num(station.position_m)}"]
+        lines += ["[[cable.station]]", f"name = {_text(station.name)}", f"position_m = {_num(station.position_m)}"]
     lines += ["", "[robot]", f"standoff_m = {_num(robot.standoff_m)}"]
     lines.append(f"synchronised = {str(robot.synchronised).lower()}")
     for index in range(len(spec.blocks)):
@@ -126,6 +127,11 @@ def source_name(spec: Spec, index: int) -> str:
     """File or folder of a block's frames, relative to survey.toml."""
     stem = spec.blocks[index].lower()
     return f"{stem}.mp4" if spec.sensor.output == Output.VIDEO else stem
+
+
+def _text(value: str) -> str:
+    """A basic TOML string, which escapes as JSON does."""
+    return json.dumps(value, ensure_ascii=False)
 
 
 def _num(value: float) -> str:

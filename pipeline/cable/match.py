@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cable.tracking import Gray, Pyramids, Track, Tracker, TrackOptions
+from pipeline.cable.tracking import Gray, NormalisedFrames, Track, Tracker, TrackOptions
 from pipeline.core.division import pixels_to_rays, rays_to_pixels
 from pipeline.core.epipolar import (
     calibration_matrix,
@@ -100,7 +100,7 @@ def match_block(
     def read(frame: int) -> Gray:
         return np.asarray(cv2.imread(str(frames.files[frame]), cv2.IMREAD_GRAYSCALE), dtype=np.uint8)
 
-    tracker = Tracker(Pyramids(read, options.track), pinhole, pos.poses, azimuth_deg, radius_m, options.track)
+    tracker = Tracker(NormalisedFrames(read, options.track), pinhole, pos.poses, azimuth_deg, radius_m, options.track)
     tracks = []
     for home in range(len(frames)):
         emit(Event(stage="match", block=frames.block, done=home, total=len(frames)))

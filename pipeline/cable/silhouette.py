@@ -1,20 +1,22 @@
 """The outline of the cable in a frame: two sub-pixel edges, and the mask between them.
 
-Takes one grey or colour image and the image direction of travel; gives the edges as points in pixels.  Two long
-smooth edges are traced through the whole picture (dynamic programming over stripes, so texture on the cable
-does not lead them astray) and then refined column by column.  Leaves out what the lens does to the edges
-(:mod:`pipeline.cable.plumb_lines`).
+Takes one grey or colour image and the image direction of travel; gives the edges as points in pixels.  Two
+long smooth edges are traced through the whole picture (dynamic programming over stripes, so texture on the
+cable does not lead them astray) in brightness, colour and roughness together, since a grey cable before a
+grey sky differs in one of them only.  They are then refined column by column in the one mixture of the
+colours that tells cable from background best (Fisher's discriminant).  Leaves out what the lens does to the
+edges (:mod:`pipeline.cable.plumb_lines`).
 
 Inside this module the cable runs along the image's x; pictures with travel up or down are transposed.
 """
 
 from dataclasses import dataclass
-from math import sqrt, tau
+from itertools import pairwise
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import grey_dilation
+from scipy.ndimage import maximum_filter1d
 
 from pipeline.core.errors import StageError
 from pipeline.core.vocabulary import Array, TravelDirection
@@ -31,8 +33,8 @@ class SilhouetteOptions:
         width_px: image columns that are averaged for one edge point.
         blur_px: standard deviation of the Gaussian across the edge.
         reach_px: how far from the traced edge the exact one is looked for.
-        least_contrast: grey levels (of 255) that an edge must have on average.
-        least_prominence: an edge must be this many times stronger than the picture's median trace.
+        least_strength: an edge's mean step over the whole picture, in units of the steps that texture and
+            noise make in that picture; traces through pure texture reach about 2.
         width_tolerance: the cable's width may differ from the expected one by this share.
     """
 
@@ -40,8 +42,7 @@ class SilhouetteOptions:
     width_px: float = 9.0
     blur_px: float = 1.5
     reach_px: float = 5.0
-    least_contrast: float = 4.0
-    least_prominence: float = 2.0
+    least_strength: float = 3.5
     width_tolerance: float = 0.25
 
 
@@ -52,20 +53,22 @@ class Silhouette:
     Attributes:
         first: (n, 2) pixels on the upper edge (left edge where the travel is up or down).
         second: (m, 2) pixels on the other edge.
-        contrast: mean step of the edges, grey levels.
+        contrast: mean step of each edge in units of the noise and texture beside it.
     """
 
     first: Array
     second: Array
-    contrast: float
+    contrast: tuple[float, float]
 
 
 STRIPES = 24
 """Stripes along the cable in which an edge is traced."""
-SATURATION = 25.0
-"""Grey levels above which an edge counts as no stronger: one glaring spot must not decide the trace."""
-BEND = 0.15
-"""Cost, in grey levels, of stepping a trace by one pixel (squared) from one stripe to the next."""
+SATURATION = 8.0
+"""Steps count little more beyond this: one glaring spot must not decide the trace."""
+BEND = 0.05
+"""Cost of stepping a trace by one pixel (squared) from one stripe to the next, in units of a step."""
+LEAST_STEPS = (0.5, 0.5, 0.5, 0.1)
+"""Steps of brightness, two colour differences (grey levels) and log roughness in even a clean picture."""
 
 
 def find_silhouette(
@@ -90,20 +93,21 @@ def find_silhouette(
     """
     choice = options or SilhouetteOptions()
     upright = travel_in_image in (TravelDirection.UP, TravelDirection.DOWN)
-    grey = _grey(image).T if upright else _grey(image)
-    scale = max(grey.shape[1] / 960, 0.25)
-    blur = choice.blur_px * scale
-    slopes = _slopes(grey, blur)
-    traces = _pair(slopes, choice, scale, expected_width_px)
+    colour = (image if image.ndim == 3 else image[:, :, None].repeat(3, axis=2)).astype(np.float32)
+    colour = np.ascontiguousarray(colour.transpose(1, 0, 2)) if upright else colour
+    scale = max(colour.shape[1] / 960, 0.25)
+    traces = _pair(_step_strength(colour, choice.blur_px * scale), choice, scale, expected_width_px)
     if traces is None:
         raise StageError(
             "lens",
-            f"{name} shows no cable from side to side",
+            f"{name} shows no cable with both edges from side to side",
             "take out such frames, or check travel_in_image and the light",
         )
-    found = [_refine(slopes, trace, choice, scale) for trace in traces]
+    found = [
+        _refine(colour, rows, inward, choice, scale) for rows, inward in zip(traces, (1, -1), strict=True)
+    ]
     edges = [points[:, ::-1] if upright else points for points, _ in found]
-    return Silhouette(first=edges[0], second=edges[1], contrast=float(np.mean([c for _, c in found])))
+    return Silhouette(first=edges[0], second=edges[1], contrast=(found[0][1], found[1][1]))
 
 
 def mask_between(silhouette: Silhouette, width_px: int, height_px: int, inset_px: float = 0.0) -> Image:
@@ -133,49 +137,51 @@ def cable_mask(
     return mask_between(silhouette, image.shape[1], image.shape[0], inset_px)
 
 
-def _grey(image: Image) -> NDArray[np.float32]:
-    grey = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
-    return grey.astype(np.float32)
-
-
-def _slopes(grey: NDArray[np.float32], blur: float) -> NDArray[np.float32]:
+def _slopes(channel: NDArray[np.float32], blur: float) -> NDArray[np.float32]:
     """Derivative of a Gaussian down the columns, scaled so that an ideal step gives its height."""
-    reach = int(np.ceil(4 * blur))
-    x = np.arange(-reach, reach + 1)
-    kernel = x / blur**2 * np.exp(-0.5 * (x / blur) ** 2) / (sqrt(tau) * blur) * (sqrt(tau) * blur)
+    x = np.arange(-int(np.ceil(4 * blur)), int(np.ceil(4 * blur)) + 1)
+    kernel = x / blur**2 * np.exp(-0.5 * (x / blur) ** 2)
     return cv2.sepFilter2D(
-        np.ascontiguousarray(grey), cv2.CV_32F, np.ones(1), kernel, borderType=cv2.BORDER_REPLICATE
+        np.ascontiguousarray(channel), cv2.CV_32F, np.ones(1), kernel, borderType=cv2.BORDER_REPLICATE
     )
 
 
+def _step_strength(colour: NDArray[np.float32], blur: float) -> Array:
+    """Size of the steps in each stripe, (STRIPES, h), in units of what texture and noise make."""
+    blue, green, red = cv2.split(colour)
+    grey = cv2.cvtColor(colour, cv2.COLOR_BGR2GRAY)
+    high = np.abs(grey - cv2.GaussianBlur(grey, (0, 0), blur))
+    rough = np.log1p(cv2.blur(high, (max(int(colour.shape[1] / STRIPES), 1), max(int(2 * blur), 1))))
+    columns = np.linspace(0, colour.shape[1], STRIPES + 1).astype(int)
+    total = np.zeros((STRIPES, colour.shape[0]))
+    channels = (grey, blue - red, green - (red + blue) / 2, rough)
+    for channel, least, wide in zip(channels, LEAST_STEPS, (1, 1, 1, 2), strict=True):
+        slopes = _slopes(channel, wide * blur)
+        steps = np.array([slopes[:, a:b].mean(axis=1) for a, b in pairwise(columns)])
+        total += (steps / max(float(np.percentile(np.abs(steps), 80)), least)) ** 2
+    strength = np.sqrt(total)
+    return np.minimum(strength, SATURATION) + 0.02 * np.minimum(strength, 10 * SATURATION)
+
+
 def _pair(
-    slopes: NDArray[np.float32], choice: SilhouetteOptions, scale: float, expected_width_px: float | None
-) -> tuple[tuple[Array, float], tuple[Array, float]] | None:
-    """Two traces, upper first: each one row per stripe, and the sign of its step."""
-    height, width = slopes.shape
-    columns = np.linspace(0, width, STRIPES + 1).astype(int)
-    stripes = np.array([slopes[:, a:b].mean(axis=1) for a, b in zip(columns[:-1], columns[1:], strict=True)])
-    found = []
-    for sign in (1.0, -1.0):
-        traces = _traces(np.clip(sign * stripes, 0, SATURATION), scale)
-        floor = choice.least_prominence * float(np.median(traces.strength))
-        for row in _peaks(traces.strength, int(round(8 * scale))):
-            if traces.strength[row] >= max(choice.least_contrast, floor):
-                found.append((traces.strength[row], row, sign, traces))
-    strongest = max((strength for strength, *_ in found), default=0.0)
-    rows = sorted((item for item in found if item[0] >= 0.4 * strongest), key=lambda item: item[1])
-    pairs = [(a, b) for i, a in enumerate(rows) for b in rows[i + 1 :] if b[1] - a[1] > 0.04 * height]
+    strength: Array, choice: SilhouetteOptions, scale: float, expected_width_px: float | None
+) -> tuple[Array, Array] | None:
+    """Rows (STRIPES,) of the upper and of the lower edge, pixel edges counted from the top."""
+    traces = _traces(strength, scale)
+    height = strength.shape[1]
+    rows = [
+        row
+        for row in _peaks(traces.strength, round(8 * scale))
+        if traces.strength[row] > choice.least_strength
+    ]
+    pairs = [(a, b) for i, a in enumerate(rows) for b in rows[i + 1 :] if b - a > 0.04 * height]
     if expected_width_px is not None:
         limit = choice.width_tolerance * expected_width_px
-        pairs = [pair for pair in pairs if abs(pair[1][1] - pair[0][1] - expected_width_px) <= limit]
-    if not pairs:
-        return None
-    if expected_width_px is not None:
-        best = max(pairs, key=lambda pair: pair[0][0] + pair[1][0])
+        pairs = [(a, b) for a, b in pairs if abs(b - a - expected_width_px) <= limit]
+        pairs.sort(key=lambda pair: traces.strength[pair[0]] + traces.strength[pair[1]])
     else:
-        best = max(pairs, key=lambda pair: pair[1][1] - pair[0][1])
-    upper, lower = ((item[3].through(item[1]), item[2]) for item in best)
-    return upper, lower
+        pairs.sort(key=lambda pair: pair[1] - pair[0])
+    return (traces.through(pairs[-1][0]), traces.through(pairs[-1][1])) if pairs else None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -185,7 +191,7 @@ class _Traces:
     strength: Array
     forward: Array
     backward: Array
-    reach: int
+    bend: Array
 
     def through(self, row: int) -> Array:
         """Rows (STRIPES,) of the best trace through a row of the middle stripe, centres of pixels."""
@@ -199,54 +205,75 @@ class _Traces:
         return rows + 0.5
 
     def _step(self, scores: Array, row: int) -> int:
-        low, high = max(row - self.reach, 0), min(row + self.reach + 1, len(scores))
-        penalty = BEND * (np.arange(low, high) - row) ** 2
-        return low + int(np.argmax(scores[low:high] - penalty))
+        reach = len(self.bend) // 2
+        low, high = max(row - reach, 0), min(row + reach + 1, len(scores))
+        return low + int(np.argmax(scores[low:high] + self.bend[low - row + reach : high - row + reach]))
 
 
-def _traces(stripes: NDArray[np.float32], scale: float) -> _Traces:
+def _traces(strength: Array, scale: float) -> _Traces:
     """Dynamic programming from both sides to the middle stripe."""
-    reach = max(int(round(7 * scale)), 2)
-    bend = -BEND / scale**2 * np.arange(-reach, reach + 1) ** 2
-    count, middle = len(stripes), len(stripes) // 2
-    forward, backward = stripes.astype(float), stripes.astype(float)
+    reach = max(round(7 * scale), 2)
+    bend = -BEND / scale**2 * np.arange(-reach, reach + 1.0) ** 2
+    count, middle = len(strength), len(strength) // 2
+    forward, backward = strength.copy(), strength.copy()
     for s in range(1, count):
         forward[s] += _spread(forward[s - 1], bend)
         backward[count - 1 - s] += _spread(backward[count - s], bend)
-    strength = (forward[middle] + backward[middle] - stripes[middle]) / count
-    return _Traces(strength=strength, forward=forward, backward=backward, reach=reach)
+    through = (forward[middle] + backward[middle] - strength[middle]) / count
+    return _Traces(strength=through, forward=forward, backward=backward, bend=bend)
 
 
 def _spread(scores: Array, bend: Array) -> Array:
-    return grey_dilation(scores, footprint=np.ones(len(bend), bool), structure=bend, mode="nearest")
+    """Best of the neighbouring rows' scores less the cost of stepping there."""
+    reach = len(bend) // 2
+    padded = np.pad(scores, reach, constant_values=-np.inf)
+    return np.max(np.lib.stride_tricks.sliding_window_view(padded, len(bend)) + bend, axis=1)
 
 
 def _peaks(strength: Array, apart: int) -> list[int]:
-    """Rows that are strongest within ``apart`` rows on either side."""
-    wide = grey_dilation(strength, size=2 * apart + 1, mode="nearest")
-    return [int(row) for row in np.flatnonzero((strength >= wide) & (strength > 0))]
+    """Rows that are strongest within ``apart`` rows on either side, at least half of that from the border."""
+    wide = maximum_filter1d(strength, 2 * apart + 1, mode="nearest")
+    rows = np.flatnonzero(strength >= wide)
+    return [int(row) for row in rows if apart // 2 <= row < len(strength) - apart // 2]
+
+
+def _discriminant(colour: NDArray[np.float32], rows: Array, inward: int, scale: float) -> NDArray[np.float32]:
+    """The mixture (3,) of the colours in which cable and background differ most for their scatter.
+
+    R. A. Fisher, "The use of multiple measurements in taxonomic problems", Annals of Eugenics 7, 1936.
+    Scaled so that the pooled scatter of a pixel is 1 and the step into the cable is positive.
+    """
+    height = len(colour)
+    near, far = max(int(3 * scale), 2), max(int(12 * scale), 6)
+    columns = np.arange(len(rows))
+    samples = []
+    for side in (inward, -inward):
+        at = np.clip(rows.astype(int) + side * np.arange(near, far)[:, None], 0, height - 1)
+        samples.append(colour[at, columns].reshape(-1, 3).astype(float))
+    scatter = np.mean([np.cov(sample, rowvar=False) for sample in samples], axis=0) + 0.25 * np.eye(3)
+    difference = samples[0].mean(axis=0) - samples[1].mean(axis=0)
+    mixture = np.linalg.solve(scatter, difference)
+    return (mixture / np.sqrt(max(float(mixture @ difference), 1e-12))).astype(np.float32)
 
 
 def _refine(
-    slopes: NDArray[np.float32], trace: tuple[Array, float], choice: SilhouetteOptions, scale: float
+    colour: NDArray[np.float32], stripe_rows: Array, inward: int, choice: SilhouetteOptions, scale: float
 ) -> tuple[Array, float]:
-    """Edge points (n, 2) to a fraction of a pixel, and their mean step."""
-    rows, sign = trace
-    height, width = slopes.shape
+    """Edge points (n, 2) to a fraction of a pixel, and their mean step in units of the scatter."""
+    height, width = colour.shape[:2]
     half, reach = max(int(choice.width_px * scale) // 2, 1), max(choice.reach_px * scale, 3.0)
     centres = np.arange(half, width - half, max(choice.step_px * scale, 1.0)).astype(int)
-    averaged = cv2.blur(sign * slopes, (2 * half + 1, 1))[:, centres]
     stripe_centres = (np.arange(STRIPES) + 0.5) * width / STRIPES
-    expected = np.interp(centres + 0.5, stripe_centres, rows) - 0.5
-    far = np.abs(np.arange(height)[:, None] - expected) > reach
-    window = np.where(far, -np.inf, averaged)
-    peak = np.clip(np.argmax(window, axis=0), 1, height - 2)
-    column = np.arange(len(centres))
-    before, at, after = (averaged[peak + d, column] for d in (-1, 0, 1))
+    rows = np.interp(np.arange(width) + 0.5, stripe_centres, stripe_rows)
+    mixed = colour @ _discriminant(colour, rows, inward, scale)
+    slopes = inward * _slopes(mixed, choice.blur_px * scale)
+    averaged = cv2.blur(slopes, (2 * half + 1, 1))[:, centres]
+    far = np.abs(np.arange(height)[:, None] + 0.5 - rows[centres]) > reach
+    peak = np.clip(np.argmax(np.where(far, -np.inf, averaged), axis=0), 1, height - 2)
+    before, at, after = (averaged[peak + d, np.arange(len(centres))] for d in (-1, 0, 1))
     curvature = before - 2 * at + after
-    # a maximum at the rim of the window is no maximum: its curvature or its offset gives it away
+    # the largest value at the rim of the window is no maximum: curvature or offset gives it away
     offset = 0.5 * (before - after) / np.where(curvature < 0, curvature, np.nan)
-    strong = at > max(0.35 * float(np.median(at)), choice.least_contrast / 2)
-    good = strong & (np.abs(np.nan_to_num(offset, nan=9.0)) <= 0.5)
+    good = (at > 0.35 * float(np.median(at))) & (at > 0) & (np.abs(np.nan_to_num(offset, nan=9.0)) <= 0.5)
     points = np.column_stack([centres + 0.5, peak + offset + 0.5])[good]
     return points, float(np.mean(at[good])) if good.any() else 0.0

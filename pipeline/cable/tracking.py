@@ -8,7 +8,7 @@ takes it out.
 """
 
 from collections import OrderedDict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import cv2
@@ -71,8 +71,8 @@ def normalise(image: Gray, radius_px: float) -> Gray:
     return np.clip(scaled, 0, 255).astype(np.uint8)
 
 
-class Pyramids:
-    """Image pyramids of normalised frames, made when asked for; only the latest ``keep`` stay in memory.
+class NormalisedFrames:
+    """Normalised frames, made when asked for; only the latest ``keep`` stay in memory.
 
     Args:
         read: gives the grey frame k, (h, w) uint8.
@@ -80,13 +80,11 @@ class Pyramids:
 
     def __init__(self, read: Callable[[int], Gray], options: TrackOptions, keep: int = 64) -> None:
         self._read, self._options, self._keep = read, options, keep
-        self._held: OrderedDict[int, Sequence[Gray]] = OrderedDict()
+        self._held: OrderedDict[int, Gray] = OrderedDict()
 
-    def __getitem__(self, frame: int) -> Sequence[Gray]:
+    def __getitem__(self, frame: int) -> Gray:
         if frame not in self._held:
-            image = normalise(self._read(frame), self._options.normalise_px)
-            window = (self._options.window_px, self._options.window_px)
-            _, self._held[frame] = cv2.buildOpticalFlowPyramid(image, window, PYRAMID_LEVELS)
+            self._held[frame] = normalise(self._read(frame), self._options.normalise_px)
             if len(self._held) > self._keep:
                 self._held.popitem(last=False)
         self._held.move_to_end(frame)
@@ -97,7 +95,7 @@ class Tracker:
     """Follows the surface of one block.
 
     Args:
-        pyramids: of the undistorted frames.
+        frames: undistorted.
         lens: of the undistorted frames.
         poses: predicted orientations.
         azimuth_deg: of the block's camera.
@@ -106,7 +104,7 @@ class Tracker:
 
     def __init__(
         self,
-        pyramids: Pyramids,
+        frames: NormalisedFrames,
         lens: Lens,
         poses: Poses,
         azimuth_deg: float,
@@ -115,7 +113,7 @@ class Tracker:
     ) -> None:
         self._lens, self._poses, self._radius_m, self._options = lens, poses, radius_m, options
         self._azimuth = np.deg2rad(azimuth_deg)
-        self._pyramids = pyramids
+        self._frames = frames
 
     def track(self, home: int) -> Track:
         """Choose points in frame ``home`` and follow them both ways until they leave the picture."""
@@ -129,7 +127,7 @@ class Tracker:
 
     def _choose(self, home: int) -> tuple[Array, Array]:
         """Corners on the strip of surface that frame ``home`` sees best: (m, 2) pixels, (m, 3) points."""
-        options, image = self._options, self._pyramids[home][0]
+        options, image = self._options, self._frames[home]
         found = cv2.goodFeaturesToTrack(
             image, 20 * options.points_per_frame, 0.01, minDistance=3, blockSize=7, useHarrisDetector=False
         )
@@ -193,10 +191,10 @@ class Tracker:
         """Pyramidal Lucas-Kanade; half a pixel between our origin and OpenCV's at both ends."""
         window = (self._options.window_px, self._options.window_px)
         moved, found, difference = cv2.calcOpticalFlowPyrLK(
-            self._pyramids[source],
-            self._pyramids[target],
-            (pixels - 0.5).astype(np.float32)[:, None],
-            (guess - 0.5).astype(np.float32)[:, None],
+            self._frames[source],
+            self._frames[target],
+            np.ascontiguousarray(pixels[:, None] - 0.5, dtype=np.float32),
+            np.ascontiguousarray(guess[:, None] - 0.5, dtype=np.float32),
             winSize=window,
             maxLevel=PYRAMID_LEVELS,
             criteria=(cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 30, 0.005),

@@ -177,8 +177,8 @@ def _flow(
     moved, found, _ = cv2.calcOpticalFlowPyrLK(
         source,
         target,
-        start.astype(np.float32)[:, None],
-        guess.astype(np.float32)[:, None],
+        np.ascontiguousarray(start[:, None], dtype=np.float32),
+        np.ascontiguousarray(guess[:, None], dtype=np.float32),
         winSize=window,
         maxLevel=0,
         criteria=(cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 40, 0.005),

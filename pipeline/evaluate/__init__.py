@@ -1,8 +1,8 @@
 """A finished run against the truth: diameters, cameras, lenses, surface, axis.
 
-Takes a run folder and a truth.json (of the synthesizer, or one with the stations alone that a person measured);
-gives an :class:`Evaluation`, a table for the screen and a JSON file.  Reads only what the run wrote for everybody:
-report.json, radius_map.npz and the sparse models.
+Takes a run folder and a truth.json (of the synthesizer, or one with the stations alone that a person
+measured); gives an :class:`Evaluation`, a table for the screen and a JSON file.  Reads only what the run
+wrote for everybody: report.json, radius_map.npz and the sparse models.
 """
 
 from pathlib import Path

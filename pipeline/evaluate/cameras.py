@@ -1,7 +1,7 @@
 """Exterior orientations against truth: as they stand in the cable frame, and after the best rigid fit.
 
-Takes the run's sparse models (COLMAP format) and the true poses; gives errors away from the axis, around it and
-along it.  An image belongs to the true frame whose number stands last in its name (000012.png: 12).
+Takes the run's sparse models (COLMAP format) and the true poses; gives errors away from the axis, around it
+and along it.  An image belongs to the true frame whose number stands last in its name (000012.png: 12).
 """
 
 import re
@@ -19,8 +19,12 @@ from pipeline.evaluate.documents import Document
 from pipeline.evaluate.records import CameraComparison, CameraErrors
 
 ARM_M = 0.01
-"""Each camera enters the rigid fit with its centre and the ends of three arms along its axes: the centres of one
-block lie on a line, about which only attitudes can hold it."""
+"""Each camera enters the rigid fit with its centre and the ends of arms both ways along its axes: the centres
+of one block lie on a line, about which only attitudes can hold it."""
+
+
+SMALLEST_RECORD = 8
+"""Bytes that a record in a binary file of COLMAP has at least."""
 
 
 def compare_cameras(run_folder: Path, truth: Document) -> CameraComparison:
@@ -64,13 +68,16 @@ def _block_pairs(run_folder: Path, blocks: Document, name: str) -> tuple[Poses, 
 def _read_sparse(folder: Path) -> dict[int, Array]:
     """Frame number to cam_from_world (3, 4)."""
     remedy = "run the survey to its end"
-    # asked first, because COLMAP says what it misses in its own log
+    # asked first: COLMAP says what it misses in its own log, and takes memory for what a broken file claims
     if not any((folder / f"images.{ending}").is_file() for ending in ("bin", "txt")):
         raise StageError("evaluate", f"{folder} holds no sparse model", remedy)
+    broken = StageError("evaluate", f"{folder} cannot be read as a COLMAP model", remedy)
+    if not all(_count_is_possible(file) for file in folder.glob("*.bin")):
+        raise broken
     try:
         model = pycolmap.Reconstruction(str(folder))
-    except (RuntimeError, ValueError) as error:
-        raise StageError("evaluate", f"{folder} cannot be read as a COLMAP model", remedy) from error
+    except (RuntimeError, ValueError, MemoryError) as error:
+        raise broken from error
     found: dict[int, Array] = {}
     for image in model.images.values():
         digits = re.findall(r"\d+", Path(image.name).stem)
@@ -87,6 +94,13 @@ def _read_sparse(folder: Path) -> dict[int, Array]:
     return found
 
 
+def _count_is_possible(file: Path) -> bool:
+    """Whether a binary file of COLMAP is long enough for the number of records that it begins with."""
+    with file.open("rb") as stream:
+        head = stream.read(8)
+    return len(head) == 8 and int.from_bytes(head, "little") * SMALLEST_RECORD <= file.stat().st_size
+
+
 def _poses(matrices: list[Array]) -> Poses:
     stack = np.stack(matrices)
     return Poses(rotations=stack[:, :, :3], translations=stack[:, :, 3])
@@ -100,9 +114,10 @@ def _joined(parts: list[Poses]) -> Poses:
 
 
 def _with_arms(poses: Poses) -> Array:
-    """(4 n, 3) points: each centre and the ends of its three arms."""
-    arms = poses.centres[:, None] + ARM_M * poses.rotations  # rows of cam_from_world are the camera's axes
-    return np.concatenate([poses.centres, arms.reshape(-1, 3)])
+    """(7 n, 3) points: each centre and the ends of its six arms."""
+    centres, arms = poses.centres, ARM_M * poses.rotations  # rows of cam_from_world are the camera's axes
+    ends = [centres[:, None] + arms, centres[:, None] - arms]
+    return np.concatenate([centres, *(end.reshape(-1, 3) for end in ends)])
 
 
 def _moved(poses: Poses, rotation: Array, translation: Array) -> Poses:

@@ -50,8 +50,8 @@ class CameraErrors:
     Attributes:
         block: its name.
         frames: number of frames compared.
-        radial_mm, around_mm, along_mm: rms of the projection centres' errors away from the axis, around it, and
-            along it.
+        radial_mm, around_mm, along_mm: rms of the projection centres' errors away from the axis, around it,
+            and along it.
         position_mm: rms of their length.
         attitude_deg: rms of the angle between the attitudes.
     """

@@ -1,10 +1,11 @@
 """The map of radii against the true one: bias, noise, coverage, and how straight the measured axis is.
 
-Takes RUN/radius_map.npz (theta_deg (m,), position_m (n,), radius_mm (n, m), NaN where unknown) and the truth's
-``radius_mm``; gives the figures.  Azimuths are those of the cable frame, right-hand rule about +y.
+Takes RUN/radius_map.npz (theta_deg (m,), position_m (n,), radius_mm (n, m), NaN where unknown) and the
+truth's ``radius_mm``; gives the figures.  Azimuths are those of the cable frame, right-hand rule about +y.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -126,7 +127,7 @@ def _bow(theta: Array, position: Array, values: Array) -> float:
     """Largest distance from its own straight line of the axis that the differences imply, mm."""
     offsets, middles = [], []
     edges = np.linspace(-1, 1, BANDS + 1)
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in pairwise(edges):
         inside = (position >= low) & (position <= high)
         if len(np.unique(np.floor(theta[inside] % (2 * np.pi) / (np.pi / 4)))) < 8:
             continue  # the centre of an arc is not the axis
@@ -135,7 +136,7 @@ def _bow(theta: Array, position: Array, values: Array) -> float:
         middle = np.median(v)
         near = np.abs(v - middle) <= 6 * max(_robust_sigma(v), 1e-12)
         offsets.append(np.linalg.lstsq(design[near], v[near], rcond=None)[0][1:])
-        middles.append((low + high) / 2)
+        middles.append(float(np.mean(position[inside])))
     if len(offsets) < 3:
         return float("nan")
     line = np.polynomial.polynomial.polyfit(middles, np.array(offsets), 1)

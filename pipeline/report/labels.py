@@ -98,8 +98,12 @@ TEXTS: dict[str, tuple[str, str]] = {
         "A 行自相矛盾：112.383 − 111.4 应为 +0.983，原文为 −1.017；C、D 两行的符号也与其数值不符。",
     ),
     "profile_caption": (
-        "Diameter along the cable; the band is ± σ.",
-        "直径沿缆索的变化；色带为 ± σ。",
+        "Diameter along the cable; the band and the bars are ± σ.",
+        "直径沿缆索的变化；色带与误差线为 ± σ。",
+    ),
+    "profile_caption_plain": (
+        "Diameter at the stations; the bars are ± σ.",
+        "各测点直径；误差线为 ± σ。",
     ),
     "axis_caption": (
         "Distance of the cable's axis from its chord; straightness {value} mm per metre.",
@@ -120,13 +124,22 @@ TEXTS: dict[str, tuple[str, str]] = {
     "division_lambda": ("Division model λ", "除法模型 λ"),
     "lambda_radius": ("Unit of the radius", "半径单位"),
     "lens_method": ("Lens from", "镜头参数来源"),
+    "radius_half-diagonal": ("half-diagonal", "半对角线"),
+    "radius_half-width": ("half-width", "半宽"),
+    "radius_focal": ("focal length", "焦距"),
+    "radius_pixel": ("pixel", "像素"),
+    "method_given": ("given", "已知"),
+    "method_estimated": ("estimated", "估计"),
+    "method_plumb lines": ("plumb lines", "铅垂线法"),
+    "method_chessboard": ("chessboard", "棋盘格标定"),
+    "method_adjustment": ("adjustment", "平差自检校"),
     "units2": ("{value} square units", "{value} 平方单位"),
     "units_per_px": ("{value} units/px", "{value} 单位/像素"),
     # Lens
     "lens_intro": (
         "One-parameter division model: a point at the radius r of the picture is seen undistorted at "
-        "r / (1 + λ r²); λ below zero is a barrel.",
-        "单参数除法模型：影像半径 r 处的畸变点，其无畸变位置为 r / (1 + λ r²)；λ 为负值即桶形畸变。",
+        "r / (1 + λ r²); λ below zero is a barrel.",
+        "单参数除法模型：影像半径 r 处的畸变点，其无畸变位置为 r / (1 + λ r²)；λ 为负值即桶形畸变。",
     ),
     "grid": ("Distortion grid (figure 2)", "畸变网格（图 2）"),
     "before": ("Frame as filmed (figure 3)", "校正前（图 3）"),
@@ -165,10 +178,11 @@ TEXTS: dict[str, tuple[str, str]] = {
     "bow_without": ("Bow without (mm)", "未校正弯曲 (mm)"),
     "bow_with": ("Bow with (mm)", "校正后弯曲 (mm)"),
     "lens_effect_figure": (
-        "{block} without (left) and with the correction (right), at one scale: from the side, with the crest "
-        "line, and in section, with the fitted circle (figures 5 and 6 of the paper).",
-        "{block} 校正前（左）与校正后（右），比例相同：上为侧视图与脊线，下为横截面与拟合圆"
-        "（论文图 5、图 6）。",
+        "{block} without (left) and with the correction (right), at one scale. Above: how far the crest "
+        "line, seen from the side, rises over the chord between its ends. Below: the section with the "
+        "fitted circle (figures 5 and 6 of the paper).",
+        "{block} 校正前（左）与校正后（右），比例相同。上：侧视脊线相对其两端弦线的高度；"
+        "下：横截面与拟合圆（论文图 5、图 6）。",
     ),
     # Unrolled
     "unrolled_caption": (
@@ -183,6 +197,7 @@ TEXTS: dict[str, tuple[str, str]] = {
     ),
     "block_pictures": ("What each block contributed", "各模块的展开图"),
     "close": ("Close", "关闭"),
+    "point_at": ("azimuth {angle}°, position {position} m", "方位角 {angle}°，位置 {position} m"),
     "actual_size": ("Actual size / fit", "原始大小 / 适应窗口"),
     # 3D
     "viewer_hint": (
@@ -211,6 +226,9 @@ TEXTS: dict[str, tuple[str, str]] = {
     "plot_without": ("without correction", "校正前"),
     "plot_with": ("with correction", "校正后"),
     "plot_height": ("towards the camera (mm)", "朝向相机 (mm)"),
+    "plot_crest": ("crest above chord (mm)", "脊线高出弦线 (mm)"),
+    "plot_bow": ("bow", "弯曲"),
+    "plot_fitted": ("diameter", "直径"),
     "plot_across": ("across (mm)", "横向 (mm)"),
     "sections_caption": (
         "Sections at the stations, seen in the direction of travel. Dashed: the fitted circle; line: the "

@@ -8,10 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from pipeline.core.vocabulary import Array
 from pipeline.report.labels import TEXTS, Label, Language
-from pipeline.report.svg import BLUE, INK, VERMILLION, inline_svg, plot_style
+from pipeline.report.markup import number
+from pipeline.report.svg import BLUE, INK, VALUE_GAP, VERMILLION, inline_svg, plot_style
 from pipeline.report.types import LensEffect
 
 _MAX_DOTS = 5000
@@ -29,7 +31,7 @@ class _View:
 
 
 def lens_effect_plot(effect: LensEffect, angle_deg: float, name: str, language: Language) -> str:
-    """Two columns (without, with), two rows (side view with the crest line, section with the circle)."""
+    """Two columns (without, with), two rows (crest line from the side, section with the circle)."""
     views = [
         _view(points, angle_deg) for points in (effect.points_uncorrected_mm, effect.points_corrected_mm)
     ]
@@ -44,8 +46,9 @@ def lens_effect_plot(effect: LensEffect, angle_deg: float, name: str, language: 
             _draw_section(grid[1, column], view, colour, diameters[column])
         for column, key in enumerate(("plot_without", "plot_with")):
             grid[0, column].set_title(TEXTS[key][0], fontsize=11, fontweight="bold", loc="left")
-        for row in range(2):
-            grid[row, 0].set_ylabel(TEXTS["plot_height"][0])
+        grid[0, 0].set_ylabel(TEXTS["plot_crest"][0])
+        grid[0, 0].update_datalim([(grid[0, 0].get_xlim()[0], -0.5), (grid[0, 0].get_xlim()[1], 0.5)])
+        grid[1, 0].set_ylabel(TEXTS["plot_height"][0])
         title = Label(en=effect.block, zh=effect.block)
         return inline_svg(figure, name, title, language)
 
@@ -65,34 +68,34 @@ def _thinned(count: int) -> slice:
 
 
 def _draw_side(axes: Axes, view: _View, colour: str, bow_mm: float) -> None:
-    """All points faintly, and the crest (the line nearest to the camera) as medians along the cable."""
-    few = _thinned(len(view.along_m))
-    axes.plot(
-        view.along_m[few],
-        view.towards_mm[few],
-        ".",
-        color=colour,
-        markersize=1.2,
-        alpha=0.25,
-        rasterized=True,
-    )
-    along_m, crest_mm = _crest(view)
-    axes.plot(along_m, crest_mm, color=INK, linewidth=1.8)
-    _note(axes, f"{bow_mm:.2f} mm", "↕ ")
+    """The points along the crest, and their medians, as heights over the chord between the crest's ends."""
+    near = _near_crest(view)
+    places_m, heights_mm = _medians(view.along_m[near], view.towards_mm[near])
+    if len(places_m) >= 2:
+        ends = np.polyfit(places_m[[0, -1]], heights_mm[[0, -1]], 1)
+        few = _thinned(int(near.sum()))
+        dots_m, dots_mm = view.along_m[near][few], view.towards_mm[near][few]
+        dots_mm = dots_mm - np.polyval(ends, dots_m)
+        axes.plot(dots_m, dots_mm, ".", color=colour, markersize=2, alpha=0.35, rasterized=True)
+        axes.plot(places_m, heights_mm - np.polyval(ends, places_m), color=INK, linewidth=1.8)
+    _note(axes, "plot_bow", bow_mm)
     axes.set_xlabel(TEXTS["plot_position"][0])
 
 
-def _crest(view: _View, count: int = 60) -> tuple[Array, Array]:
-    angle = np.abs(np.degrees(np.arctan2(view.across_mm, view.towards_mm)))
-    near = angle < _CREST_DEG
-    if near.sum() < 2:
+def _near_crest(view: _View) -> NDArray[np.bool_]:
+    """Which points (n,) lie along the line nearest to the camera."""
+    return np.abs(np.degrees(np.arctan2(view.across_mm, view.towards_mm))) < _CREST_DEG
+
+
+def _medians(along_m: Array, towards_mm: Array, count: int = 60) -> tuple[Array, Array]:
+    """Medians of both in at most ``count`` equal steps along the cable."""
+    if not len(along_m):
         return np.empty(0), np.empty(0)
-    along, towards = view.along_m[near], view.towards_mm[near]
-    edges = np.linspace(along.min(), along.max(), count + 1)
-    bins = np.clip(np.searchsorted(edges, along, side="right") - 1, 0, count - 1)
-    filled = [index for index in range(count) if np.any(bins == index)]
-    places = np.array([np.median(along[bins == index]) for index in filled])
-    return places, np.array([np.median(towards[bins == index]) for index in filled])
+    edges = np.linspace(along_m.min(), along_m.max(), count + 1)
+    bins = np.clip(np.searchsorted(edges, along_m, side="right") - 1, 0, count - 1)
+    filled = np.unique(bins)
+    places = np.array([np.median(along_m[bins == index]) for index in filled])
+    return places, np.array([np.median(towards_mm[bins == index]) for index in filled])
 
 
 def _draw_section(axes: Axes, view: _View, colour: str, diameter_mm: float) -> None:
@@ -107,7 +110,7 @@ def _draw_section(axes: Axes, view: _View, colour: str, diameter_mm: float) -> N
         alpha=0.25,
         rasterized=True,
     )
-    _, crest_mm = _crest(view)
+    crest_mm = view.towards_mm[_near_crest(view)]
     if len(crest_mm) and np.isfinite(diameter_mm):
         around = np.linspace(0, 2 * np.pi, 181)
         radius = diameter_mm / 2
@@ -120,7 +123,7 @@ def _draw_section(axes: Axes, view: _View, colour: str, diameter_mm: float) -> N
             linestyle=(0, (4, 3)),
         )
     axes.set_aspect("equal")
-    _note(axes, f"{diameter_mm:.2f} mm", "⌀ ")
+    _note(axes, "plot_fitted", diameter_mm)
     axes.set_xlabel(TEXTS["plot_across"][0])
 
 
@@ -134,14 +137,7 @@ def _set_section_limits(axes: Axes, views: list[_View]) -> None:
     axes.set_ylim(low_mm - margin_mm, high_mm + margin_mm)
 
 
-def _note(axes: Axes, value: str, sign: str) -> None:
-    axes.text(
-        0.985,
-        0.95,
-        sign + value,
-        transform=axes.transAxes,
-        ha="right",
-        va="top",
-        fontsize=10.5,
-        fontweight="bold",
-    )
+def _note(axes: Axes, key: str, value_mm: float) -> None:
+    text = f"{TEXTS[key][0]}{VALUE_GAP}{number(value_mm, 2)} mm"
+    bold = {"fontsize": 10.5, "fontweight": "bold"}
+    axes.text(0.985, 0.95, text, bold, transform=axes.transAxes, ha="right", va="top")

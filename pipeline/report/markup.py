@@ -20,7 +20,9 @@ def number(value: float, digits: int) -> str:
 
 
 def signed(value: float, digits: int) -> str:
-    """Like :func:`number`, with its sign always written."""
+    """Like :func:`number`, with the sign written where there is one after rounding."""
+    if round(value, digits) == 0:
+        return number(0.0, digits)
     return f"{value:+.{digits}f}".replace("-", MINUS) if math.isfinite(value) else DASH
 
 
@@ -40,21 +42,15 @@ class Row:
 
     Attributes:
         head: the ``<th>`` element.
-        cells: texts, escaped here.
+        cells: texts, escaped here; a label where both languages differ.
         kind: class of the row, or "".
         tail: a finished last ``<td>`` element, or "".
     """
 
     head: str
-    cells: Sequence[str]
+    cells: Sequence[str | Label]
     kind: str = ""
     tail: str = ""
-
-    def html(self) -> str:
-        """The row as HTML."""
-        cells = "".join(f"<td>{escaped(cell)}</td>" for cell in self.cells)
-        kind = f' class="{self.kind}"' if self.kind else ""
-        return f"<tr{kind}>{self.head}{cells}{self.tail}</tr>"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,6 +62,12 @@ class Writer:
     def say(self, key: str, tag: str = "span", attributes: str = "", **values: str) -> str:
         """The label of that key as one element, its placeholders filled."""
         return self.element(label(key, **values), tag, attributes)
+
+    def template(self, key: str, tag: str, attributes: str) -> str:
+        """An empty element that carries the label of that key, placeholders and all, for a script to fill."""
+        text = label(key, **{name: f"{{{name}}}" for name in ("angle", "position")})
+        both = f'data-form-en="{escaped(text.en)}" data-form-zh="{escaped(text.zh)}"'
+        return f"<{tag} {attributes} {both}></{tag}>"
 
     def element(self, text: Label, tag: str = "span", attributes: str = "") -> str:
         """A text in both languages as one element."""
@@ -82,10 +84,19 @@ class Writer:
             rows: the body.
             note: element that stands below, or "".
         """
-        body = "".join(row.html() for row in rows)
+        body = "".join(self.row(row) for row in rows)
         first = "".join(head)
         table = f"<table><thead><tr>{first}</tr></thead><tbody>{body}</tbody></table>"
         return f'<figure class="table">{caption}<div class="scroll">{table}</div>{note}</figure>'
+
+    def row(self, row: Row) -> str:
+        """One row of a table."""
+        cells = "".join(
+            self.element(cell, "td") if isinstance(cell, Label) else f"<td>{escaped(cell)}</td>"
+            for cell in row.cells
+        )
+        kind = f' class="{row.kind}"' if row.kind else ""
+        return f"<tr{kind}>{row.head}{cells}{row.tail}</tr>"
 
     def figure(self, content: str, caption: str, kind: str = "") -> str:
         """A plot or picture with its caption below."""

@@ -12,15 +12,29 @@
   speak(wanted ? wanted[1] : document.documentElement.lang);
 
   const lightbox = document.getElementById("lightbox"), large = lightbox.querySelector("img");
+  const where = lightbox.querySelector(".where");
+  let ranges = null;
   for (const button of document.querySelectorAll("button.zoom")) {
     button.onclick = () => {
       const small = button.querySelector("img");
       large.src = small.src;
       large.alt = small.alt;
+      ranges = button.dataset.ranges ? button.dataset.ranges.split(" ").map(Number) : null;
+      where.hidden = !ranges;
+      where.textContent = "";
       lightbox.classList.remove("actual");
       lightbox.showModal();
     };
   }
+  // Where on the cable the pointer is: ranges are the azimuths and positions of the picture's edges.
+  large.onpointermove = (event) => {
+    if (!ranges) return;
+    const [left, right, top, bottom] = ranges;
+    const angle = left + ((right - left) * event.offsetX) / large.clientWidth;
+    const position = top + ((bottom - top) * event.offsetY) / large.clientHeight;
+    where.textContent = where.getAttribute(`data-form-${document.documentElement.lang}`)
+      .replace("{angle}", angle.toFixed(1)).replace("{position}", position.toFixed(4));
+  };
   // A click enlarges to the picture's own size, around the place that was clicked.
   const pane = lightbox.querySelector(".pane");
   const resize = (across, down) => {

@@ -17,6 +17,8 @@ from pipeline.report.markup import Writer, escaped
 from pipeline.report.types import ReportData
 from pipeline.report.viewer import ViewerOptions
 
+RUN_FILES = ("model.glb", "model.ply", "cloud.ply", "unrolled.png", "diameters.csv", "report.json")
+
 
 @dataclass(frozen=True, kw_only=True)
 class PageOptions:
@@ -27,12 +29,14 @@ class PageOptions:
         viewer: how much of the model the page carries.
         unrolled_max_pixels: the unrolled picture is reduced to this many pixels in the page.
         picture_max_side_px: longest side of the other pictures in the page.
+        files: which of RUN_FILES lie beside the page and are linked from it.
     """
 
     language: Language = "en"
     viewer: ViewerOptions = field(default_factory=ViewerOptions)
     unrolled_max_pixels: int = 12_000_000
     picture_max_side_px: int = 960
+    files: tuple[str, ...] = RUN_FILES
 
     def __post_init__(self) -> None:
         if self.language not in LANGUAGES:
@@ -61,7 +65,7 @@ def page_html(data: ReportData, options: PageOptions) -> str:
         ("lens_effect", parts.lens_effect(writer, data)),
         ("mosaic", parts.mosaic(writer, data)),
         ("resources", parts.resources(writer, data)),
-        ("files", parts.file_list(writer)),
+        ("files", parts.file_list(writer, options.files)),
     ]
     present = [(key, body) for key, body in sections if body]
     links = "".join(writer.say(key, "a", f'href="#{key}"') for key, _ in present)
@@ -74,6 +78,7 @@ def page_html(data: ReportData, options: PageOptions) -> str:
         contents=links,
         main=main,
         close=writer.say("close", "button", 'class="close" type="button"'),
+        point_at=writer.template("point_at", "span", 'class="where" hidden'),
         actual_size=writer.say("actual_size", "button", 'class="size" type="button"'),
         script=_resource("page.js"),
         viewer_script=f"<script>{_resource('viewer.js')}</script>" if data.mesh is not None else "",

@@ -3,6 +3,10 @@
 Each takes the writer and the report's data and gives HTML, or "" where the run has nothing to show.
 """
 
+import math
+
+from PIL import Image
+
 from pipeline.report import section_plots
 from pipeline.report.lens_plots import lens_effect_plot
 from pipeline.report.markup import Writer, escaped, number
@@ -25,7 +29,8 @@ from pipeline.report.tables import (
 from pipeline.report.types import Picture, ReportData, UnrolledPicture
 from pipeline.report.viewer import ViewerOptions, viewer_record
 
-_FILES = ("model.glb", "model.ply", "cloud.ply", "unrolled.png", "diameters.csv", "report.json")
+# What browsers and JPEG bear as one side of a picture.
+_MAX_SIDE_PX = 16_000
 # From this ratio on the lens correction is worth a claim, either way.
 _CLEAR_GAIN = 1.1
 
@@ -90,7 +95,8 @@ def diameters(writer: Writer, data: ReportData) -> str:
     """Table 2, the plot along the cable, the axis, and the paper's Table 2 where truth is known."""
     html = diameters_table(writer, data.stations, data.truth)
     plot = diameter_plot(data.stations, data.truth, data.profile, writer.language)
-    html += writer.figure(plot, writer.say("profile_caption", "figcaption"))
+    caption = "profile_caption" if data.profile is not None else "profile_caption_plain"
+    html += writer.figure(plot, writer.say(caption, "figcaption"))
     if data.axis is not None and len(data.axis.position_m):
         caption = writer.say("axis_caption", "figcaption", value=number(data.axis.straightness_mm_per_m, 3))
         html += writer.figure(axis_plot(data.axis, writer.language), caption)
@@ -123,17 +129,17 @@ def unrolled(writer: Writer, data: ReportData, max_pixels: int, block_side_px: i
     if data.unrolled is not None:
         html += _unrolled_figure(writer, data.unrolled, max_pixels)
     if data.block_unrolled:
-        html += writer.say("block_pictures", "h3")
         figures = [
             writer.figure(
-                _picture(picture.image, block_side_px, picture.name, zoomable=True),
+                _surface(picture, block_side_px),
                 f"<figcaption>{escaped(picture.name)}</figcaption>",
                 "thumbnail",
             )
             for picture in data.block_unrolled
         ]
-        html += f'<div class="thumbnails">{"".join(figures)}</div>'
-    return html
+        heading = writer.say("block_pictures", "h3")
+        html += f'<div class="blocks">{heading}<div class="thumbnails">{"".join(figures)}</div></div>'
+    return f'<div class="beside">{html}</div>' if html else ""
 
 
 def _unrolled_figure(writer: Writer, picture: UnrolledPicture, max_pixels: int) -> str:
@@ -152,8 +158,7 @@ def _unrolled_figure(writer: Writer, picture: UnrolledPicture, max_pixels: int) 
         bottom=number(picture.y_range_m[1], 3),
     )
     link = writer.say("unrolled_file", "a", 'href="unrolled.png"')
-    image = reduced(picture.image, 16_000, max_pixels)
-    content = _image(data_address(jpeg_bytes(image), "image/jpeg"), "unrolled", zoomable=True)
+    content = _surface(picture, _MAX_SIDE_PX, max_pixels)
     return writer.figure(content, f"<figcaption>{caption} {axes} {link}</figcaption>", "unrolled")
 
 
@@ -183,7 +188,7 @@ def lens(writer: Writer, data: ReportData, max_side_px: int) -> str:
     for pictures in data.lens_pictures:
         figures = [
             writer.figure(
-                _picture(picture, max_side_px, f"{pictures.block} {key}", zoomable=True),
+                _picture(picture, max_side_px, f"{pictures.block} {key}"),
                 writer.say(key, "figcaption"),
                 "picture",
             )
@@ -214,8 +219,12 @@ def lens_effect(writer: Writer, data: ReportData) -> str:
 
 def _lens_effect_sentence(writer: Writer, data: ReportData) -> str:
     gain = residual_gain(data.lens_effects)
-    clear = "lens_effect_helps" if gain >= _CLEAR_GAIN else "lens_effect_worse"
-    key = clear if not 1 / _CLEAR_GAIN < gain < _CLEAR_GAIN else "lens_effect_little"
+    if not math.isfinite(gain):
+        return ""
+    if gain >= _CLEAR_GAIN:
+        key = "lens_effect_helps"
+    else:
+        key = "lens_effect_worse" if gain <= 1 / _CLEAR_GAIN else "lens_effect_little"
     sentence = writer.say(
         key,
         factor=number(gain, 1 if gain < 10 else 0),
@@ -250,17 +259,26 @@ def resources(writer: Writer, data: ReportData) -> str:
     return writer.figure(time_plot(data.timing_s, writer.language), caption)
 
 
-def file_list(writer: Writer) -> str:
+def file_list(writer: Writer, names: tuple[str, ...]) -> str:
     """The files that lie beside the page, and the frame of reference they are in."""
-    items = [f'<li><a href="{name}">{name}</a> {writer.say(f"file_{name}")}</li>' for name in _FILES]
+    if not names:
+        return ""
+    items = [f'<li><a href="{name}">{name}</a> {writer.say(f"file_{name}")}</li>' for name in names]
     return f'<ul class="files">{"".join(items)}</ul>{writer.say("frame_note", "p", 'class="note"')}'
 
 
-def _picture(picture: Picture, max_side_px: int, name: str, *, zoomable: bool) -> str:
-    address = data_address(jpeg_bytes(reduced(picture, max_side_px)), "image/jpeg")
-    return _image(address, name, zoomable=zoomable)
+def _picture(picture: Picture, max_side_px: int, name: str) -> str:
+    return _zoomable(reduced(picture, max_side_px), name)
 
 
-def _image(address: str, name: str, *, zoomable: bool) -> str:
-    image = f'<img src="{address}" alt="{escaped(name)}">'
-    return f'<button class="zoom" type="button">{image}</button>' if zoomable else image
+def _surface(picture: UnrolledPicture, max_side_px: int, max_pixels: int | None = None) -> str:
+    """A picture of the surface; the page's script reads from the ranges where on the cable a pixel is."""
+    ranges = " ".join(f"{edge:g}" for edge in (*picture.theta_range_deg, *picture.y_range_m))
+    image = reduced(picture.image, max_side_px, max_pixels)
+    return _zoomable(image, picture.name or "unrolled", f' data-ranges="{ranges}"')
+
+
+def _zoomable(image: Image.Image, name: str, attributes: str = "") -> str:
+    address = data_address(jpeg_bytes(image), "image/jpeg")
+    picture = f'<img src="{address}" alt="{escaped(name)}">'
+    return f'<button class="zoom" type="button"{attributes}>{picture}</button>'

@@ -49,7 +49,7 @@ def diameter_plot(
         _draw_stations(axes, stations)
         axes.set_xlabel(_text("plot_position"))
         axes.set_ylabel(_text("plot_diameter"))
-        axes.margins(x=0.02, y=0.18)
+        axes.margins(x=0.02, y=0.12)
         axes.ticklabel_format(useOffset=False)
         figure.legend(loc="outside upper right", ncols=4)
         return inline_svg(figure, "diameter", label("diameters"), language)
@@ -74,10 +74,12 @@ def _draw_stations(axes: Axes, stations: tuple[StationResult, ...]) -> None:
     # Names of stations that stand too close would lie on top of each other.
     if len(stations) <= 24:
         for station in stations:
+            axes.axvline(station.position_m, color=QUIET, linewidth=0.8, linestyle=(0, (1, 3)), zorder=1)
             axes.annotate(
                 station.name,
-                (station.position_m, station.diameter_mm + max(station.sigma_mm, 0.0)),
-                xytext=(0, 6),
+                (station.position_m, 1),
+                xycoords=("data", "axes fraction"),
+                xytext=(0, 3),
                 textcoords="offset points",
                 ha="center",
                 fontweight="bold",

@@ -20,8 +20,10 @@ _SECTION_COLUMNS = 4
 
 
 def shown_stations(stations: tuple[StationResult, ...]) -> tuple[StationResult, ...]:
-    """The stations with a section to draw: all of them, or MAX_SECTIONS spread evenly."""
-    with_points = [station for station in stations if len(station.section_mm) >= 8]
+    """The stations with a section and a circle to draw: all of them, or MAX_SECTIONS spread evenly."""
+    with_points = [
+        station for station in stations if len(station.section_mm) >= 8 and station.circle_radius_mm > 0
+    ]
     if len(with_points) > MAX_SECTIONS:
         chosen = np.linspace(0, len(with_points) - 1, MAX_SECTIONS).round().astype(int)
         with_points = [with_points[index] for index in chosen]
@@ -59,10 +61,11 @@ def sections_plot(stations: tuple[StationResult, ...], factor: int, language: La
     """Small multiples: fitted circle and measured section, its deviation drawn ``factor`` times as large."""
     rows = -(-len(stations) // _SECTION_COLUMNS)
     with plot_style():
-        figure = Figure(figsize=(10.4, 3.1 * rows), layout="constrained")
+        figure = Figure(figsize=(10.4, 2.75 * rows), layout="constrained")
         for index, station in enumerate(stations):
             axes = figure.add_subplot(rows, _SECTION_COLUMNS, index + 1)
             _draw_section(axes, station, factor)
+            _draw_scale(axes, float(np.median([each.circle_radius_mm for each in stations])), factor)
         return inline_svg(figure, "sections", label("sections"), language)
 
 
@@ -79,12 +82,33 @@ def _draw_section(axes: Axes, station: StationResult, factor: int) -> None:
     axes.plot(drawn_mm * np.cos(angle), drawn_mm * np.sin(angle), color=BLUE, linewidth=1.4)
     axes.set_aspect("equal")
     axes.axis("off")
-    limit = 1.28 * radius
+    limit = 1.42 * radius
     axes.set_xlim(-limit, limit)
     axes.set_ylim(-limit, limit)
     axes.text(0, 0.16 * radius, station.name, ha="center", va="center", fontsize=14, fontweight="bold")
     axes.text(0, -0.1 * radius, f"{station.diameter_mm:.3f} mm", ha="center", va="center", fontsize=10.5)
-    _draw_scale(axes, radius, factor)
+    _draw_azimuths(axes, radius)
+
+
+def _draw_azimuths(axes: Axes, radius_mm: float) -> None:
+    """Two azimuths of the cable frame, to tell how the section lies: 0 degrees is +x, 90 degrees is -z."""
+    for azimuth_deg in (0, 90):
+        x, z = np.cos(np.radians(azimuth_deg)), -np.sin(np.radians(azimuth_deg))
+        axes.plot(
+            [0.97 * radius_mm * x, 1.03 * radius_mm * x],
+            [0.97 * radius_mm * z, 1.03 * radius_mm * z],
+            color=QUIET,
+            linewidth=1,
+        )
+        axes.text(
+            1.34 * radius_mm * x,
+            1.34 * radius_mm * z,
+            f"{azimuth_deg}°",
+            ha="center",
+            va="center",
+            fontsize=8,
+            color=QUIET,
+        )
 
 
 def _draw_scale(axes: Axes, radius_mm: float, factor: int) -> None:

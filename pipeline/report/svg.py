@@ -23,6 +23,8 @@ QUIET = "#8a96a1"
 GRID = "#e3e8ec"
 # Okabe and Ito's colours, which colour-blind people can tell apart.
 BLUE, VERMILLION, GREEN, ORANGE = "#0072b2", "#d55e00", "#009e73", "#e69f00"
+# Stands between a label and a value in one text of a plot: an en space.
+VALUE_GAP = "\u2002"
 
 _STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
@@ -111,9 +113,11 @@ def _prefix_identifiers(root: ET.Element, name: str) -> None:
 
 
 def _carry_both_languages(text: ET.Element, language: Language) -> None:
-    known = _PLOT_LABELS.get((text.text or "").strip())
+    words, gap, value = (text.text or "").strip().partition(VALUE_GAP)
+    known = _PLOT_LABELS.get(words)
     if known is None:
         return
-    text.set("data-en", known.en)
-    text.set("data-zh", known.zh)
-    text.text = known.text(language)
+    both = Label(en=f"{known.en}{gap}{value}", zh=f"{known.zh}{gap}{value}")
+    text.set("data-en", both.en)
+    text.set("data-zh", both.zh)
+    text.text = both.text(language)

@@ -4,6 +4,7 @@ Takes records of ``types`` and a :class:`~pipeline.report.markup.Writer`, gives 
 """
 
 from pipeline.report import paper
+from pipeline.report.labels import TEXTS, Label, label
 from pipeline.report.markup import DASH, Row, Writer, escaped, number, signed, thousands
 from pipeline.report.metrics import compare_with_truth, mean_absolute_error_mm
 from pipeline.report.types import (
@@ -24,7 +25,7 @@ def _name(text: str) -> str:
 
 def triangulation_table(writer: Writer, blocks: tuple[BlockSummary, ...]) -> str:
     """Table 1: a column for each block, and the paper's Block1 beside them."""
-    lines: list[tuple[str, list[str], str]] = [
+    lines: list[tuple[str, list[str | Label], str]] = [
         ("images", [str(block.images) for block in blocks], str(paper.IMAGES)),
         (
             "calibrated",
@@ -46,8 +47,8 @@ def triangulation_table(writer: Writer, blocks: tuple[BlockSummary, ...]) -> str
         ("angle_deg", [number(block.angle_deg, 0) for block in blocks], DASH),
         ("focal_px", [number(block.focal_px, 2) for block in blocks], DASH),
         ("division_lambda", [_lambda(block) for block in blocks], number(paper.DIVISION_LAMBDA, 2)),
-        ("lambda_radius", [str(block.lambda_radius) for block in blocks], DASH),
-        ("lens_method", [block.lens_method for block in blocks], DASH),
+        ("lambda_radius", [_known("radius", block.lambda_radius) for block in blocks], DASH),
+        ("lens_method", [_known("method", block.lens_method) for block in blocks], DASH),
     ]
     papers = {
         "coverage_m2": writer.say("units2", value=thousands(paper.COVERAGE_UNITS2)),
@@ -62,6 +63,11 @@ def triangulation_table(writer: Writer, blocks: tuple[BlockSummary, ...]) -> str
     heads += [f'<th scope="col">{escaped(block.name)}</th>' for block in blocks]
     heads.append(writer.say("paper_block1", "th", 'scope="col" class="paper"'))
     return writer.table(writer.say("triangulation_caption", "figcaption"), heads, rows)
+
+
+def _known(kind: str, text: str) -> str | Label:
+    """The text in both languages where it is one of ours, else as it is."""
+    return label(f"{kind}_{text}") if f"{kind}_{text}" in TEXTS else text
 
 
 def _calibrated(calibrated: int, images: int) -> str:

@@ -84,14 +84,16 @@
   });
   const tags = record.stations.map((ring) => {
     const tag = document.createElement("span"), name = document.createElement("b");
+    const size = document.createElement("i");
     name.textContent = ring.name;
-    tag.append(name, " " + ring.text);
+    size.textContent = ring.text;
+    tag.append(name, size);
     labels.append(tag);
     return tag;
   });
 
   // --- the view: yaw turns the cable in the picture's plane, spin turns it about its own axis -------------
-  const START = { yaw: -0.42, pitch: 0.3, spin: 0, zoom: 1, along: 0 };
+  const START = { yaw: -0.36, pitch: 0.2, spin: 0, zoom: 1, along: 0 };
   const view = { ...START, turning: !matchMedia("(prefers-reduced-motion: reduce)").matches, textured: true };
   const multiply = (A, B) => A.map((row) => B[0].map((_, j) => row.reduce((s, v, k) => s + v * B[k][j], 0)));
   const turnMatrix = () => {
@@ -168,7 +170,9 @@
       tag.style.visibility = shown ? "visible" : "hidden";
       if (!shown) return;
       taken.push([top[0], half]);
-      tag.style.transform = `translate(${top[0]}px, ${top[1] - 6}px) translate(-50%, -100%)`;
+      // In percent, so that they stay in place when the page is printed at another width.
+      tag.style.left = `${(100 * top[0]) / width}%`;
+      tag.style.top = `${(100 * (top[1] - 6)) / height}%`;
     });
   };
 

@@ -37,6 +37,10 @@ class ViewerOptions:
     max_texture_px: int = _MAX_TEXTURE_PX
     texture_quality: int = 82
 
+    def __post_init__(self) -> None:
+        if not 4 <= self.max_vertices <= 65_535:
+            raise ValueError(f"max_vertices is {self.max_vertices}, wanted 4 to 65535 (16-bit indices)")
+
 
 def viewer_record(mesh: Mesh, stations: tuple[StationResult, ...], options: ViewerOptions) -> str:
     """The JSON text for the page: vertices in m (float32), normals (int8), uv and indices (uint16), rings."""
@@ -49,7 +53,7 @@ def viewer_record(mesh: Mesh, stations: tuple[StationResult, ...], options: View
         "uv": _packed(np.rint(65535 * np.clip(small.uv, 0, 1)).astype("<u2")),
         "indices": _packed(small.faces.astype("<u2")),
         "texture": _texture_address(mesh.texture, options),
-        "stations": [_ring(station) for station in stations],
+        "stations": [_ring(station) for station in stations if station.circle_radius_mm > 0],
     }
     # A "<" could end the script element that holds the record.
     return json.dumps(record, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
@@ -70,14 +74,14 @@ def reduced_mesh(mesh: Mesh, max_vertices: int) -> Mesh:
     while count > max_vertices:
         cell_m *= 1.05
         cluster, count = _clusters(place_m, cell_m)
-    faces = _faces_between(cluster[mesh.faces])
-    normals = _means(mesh.normals, cluster, count)
+    weights = _weights(mesh, cluster, count)
+    normals = _means(mesh.normals, cluster, weights, count)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     return Mesh(
-        vertices=_means(mesh.vertices, cluster, count),
+        vertices=_means(mesh.vertices, cluster, weights, count),
         normals=normals,
-        faces=faces,
-        uv=_means(mesh.uv, cluster, count),
+        faces=_faces_between(cluster[mesh.faces]),
+        uv=_means(mesh.uv, cluster, weights, count),
         texture=mesh.texture,
     )
 
@@ -100,10 +104,29 @@ def _clusters(place_m: Array, cell_m: float) -> tuple[NDArray[np.int64], int]:
     return cluster, len(found)
 
 
-def _means(values: Array, cluster: NDArray[np.int64], count: int) -> Array:
-    sizes = np.bincount(cluster, minlength=count)
-    columns = [np.bincount(cluster, weights=column, minlength=count) / sizes for column in values.T]
-    return np.stack(columns, axis=1)
+def _weights(mesh: Mesh, cluster: NDArray[np.int64], count: int) -> Array:
+    """1 for the vertices (n,) that make their cluster's mean, else 0.
+
+    Where a cell holds vertices of the mesh's rim only these count: a mean with the inner ones would draw the
+    rim inward and open a slit along the seam.
+    """
+    edges = np.sort(np.concatenate([mesh.faces[:, pair] for pair in ([0, 1], [1, 2], [2, 0])]), axis=1)
+    found, uses = np.unique(edges[:, 0].astype(np.int64) * len(cluster) + edges[:, 1], return_counts=True)
+    open_edges = found[uses == 1]
+    rank = np.zeros(len(cluster), dtype=np.int64)
+    rank[open_edges // len(cluster)] = 1
+    rank[open_edges % len(cluster)] = 1
+    # A rim vertex with one or two triangles is a corner, and counts alone.
+    rank[(rank == 1) & (np.bincount(mesh.faces.ravel(), minlength=len(cluster)) <= 2)] = 2
+    highest = np.zeros(count, dtype=np.int64)
+    np.maximum.at(highest, cluster, rank)
+    return (rank == highest[cluster]).astype(np.float64)
+
+
+def _means(values: Array, cluster: NDArray[np.int64], weights: Array, count: int) -> Array:
+    sizes = np.bincount(cluster, weights=weights, minlength=count)
+    columns = [np.bincount(cluster, weights=weights * column, minlength=count) for column in values.T]
+    return np.stack(columns, axis=1) / sizes[:, None]
 
 
 def _faces_between(corners: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -1,0 +1,39 @@
+# CableTwin: make help tells what there is.  Every target makes .venv first, by itself and only once.
+
+PY := .venv/bin/python
+SEEDS ?= 1 2 3
+
+# sums in BLAS depend on how many threads share them: the same everywhere
+export OPENBLAS_NUM_THREADS ?= 2
+export PYTHONHASHSEED ?= 0
+# a plot needs no window
+export MPLBACKEND ?= Agg
+
+.DEFAULT_GOAL := help
+.PHONY: help setup demo test lint bench clean
+
+help: ## this list
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 16
+
+setup: .venv/.ready ## make .venv with Python 3.13 and the pinned packages
+
+.venv/.ready: requirements.lock pyproject.toml
+	@sh tools/setup.sh
+
+demo: .venv/.ready ## render a survey, reconstruct it, print the diameters against truth
+	@sh tools/demo.sh specs/demo.toml out/demo
+
+test: .venv/.ready ## run the tests
+	@$(PY) -m pytest
+
+lint: .venv/.ready ## check style and types
+	@$(PY) -m ruff check .
+	@$(PY) -m ruff format --check .
+	@$(PY) -m mypy
+
+bench: .venv/.ready ## the small survey with several seeds (SEEDS="1 2 3")
+	@sh tools/bench.sh specs/small.toml out/bench $(SEEDS)
+
+clean: ## remove what demo, bench and the checks made; .venv stays
+	rm -rf out build .pytest_cache .mypy_cache .ruff_cache
+	find addon blend_assets pipeline synth tests tools -type d -name __pycache__ -prune -exec rm -rf {} + 2>/dev/null || true

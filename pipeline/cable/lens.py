@@ -1,0 +1,238 @@
+"""Stage *lens*: which division lens took the frames, and the frames without its distortion.
+
+Takes a block's frames and the lens as stated; gives the lens to work with (stated, estimated from the cable's
+own edges, or left uncorrected on purpose) and undistorted frames.  The paper's section 3.2, equations (12) to
+(15).  Leaves out calibration from a chessboard (:mod:`pipeline.cable.chessboard`) and the pictures for the
+report (:mod:`pipeline.cable.lens_pictures`).
+"""
+
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from math import asin, tan
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from pipeline.cable.plumb_lines import (
+    PlumbEdges,
+    PlumbLineFit,
+    PlumbLineOptions,
+    PlumbScene,
+    fit_plumb_lines,
+)
+from pipeline.cable.silhouette import Image, Silhouette, SilhouetteOptions, find_silhouette
+from pipeline.core.division import check, radius_unit_px, undistorted_lens, undistortion_maps
+from pipeline.core.errors import StageError
+from pipeline.core.events import Emit, Event
+from pipeline.core.files import write_png
+from pipeline.core.vocabulary import FrameSequence, Lens, TravelDirection
+
+
+class LensMethod(StrEnum):
+    """Where a lens came from."""
+
+    GIVEN = "given"
+    PLUMB_LINES = "plumb lines"
+    CHESSBOARD = "chessboard"
+    NONE = "none"
+
+
+@dataclass(frozen=True, kw_only=True)
+class LensOptions:
+    """How lambda is come by.
+
+    Attributes:
+        correct: false holds lambda at 0: the deliberately uncorrected run of the paper's figures 5 and 6.
+        most_frames: edges are looked for in at most this many frames, evenly chosen.
+        need_outline: both edges of the cable must be in the picture; false allows cameras so close that the
+            cable fills it (then lambda must be given).
+        missing_share: so large a share of the frames may lack an outline when lambda is estimated.
+        silhouette: how edges are found.
+        plumb_lines: what is taken for granted of the cable's shape.
+    """
+
+    correct: bool = True
+    most_frames: int = field(default=48, metadata={"minimum": 2})
+    need_outline: bool = True
+    missing_share: float = field(default=0.2, metadata={"minimum": 0.0, "maximum": 1.0})
+    silhouette: SilhouetteOptions = field(default_factory=SilhouetteOptions)
+    plumb_lines: PlumbLineOptions = field(default_factory=PlumbLineOptions)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CableScene:
+    """What the survey says of the block's view, roughly.
+
+    Attributes:
+        travel_m: way of the robot between the source's first and last frame.
+        standoff_m: projection centre to cable axis.
+        diameter_m: nominal diameter where known; only chooses between several long edges in the picture.
+    """
+
+    travel_m: float
+    standoff_m: float
+    diameter_m: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class LensSolution:
+    """The lens to work with.
+
+    Attributes:
+        lens: with lambda and its sigma; the focal length stays as stated.
+        method: where lambda came from.
+        plumb_lines: diagnostics, where lambda was estimated.
+    """
+
+    lens: Lens
+    method: LensMethod
+    plumb_lines: PlumbLineFit | None = None
+
+
+def solve_lens(
+    frames: FrameSequence,
+    lens: Lens,
+    lambda_known: bool,
+    travel_in_image: TravelDirection,
+    options: LensOptions,
+    emit: Emit,
+    *,
+    scene: CableScene,
+) -> LensSolution:
+    """Settle the lens of a block.
+
+    Args:
+        frames: as they came from the camera.
+        lens: as stated; lambda counts only where known.
+        lambda_known: lambda is stated.
+        travel_in_image: the cable runs along this direction.
+        options: see there.
+        emit: progress, one step a frame.
+        scene: travel and stand-off.
+
+    Raises:
+        StageError: the lens folds, a frame is unreadable, or no cable is seen (naming block and frame).
+    """
+    estimate = options.correct and not lambda_known
+    if not estimate:
+        lens = lens if options.correct else replace(lens, division_lambda=0.0, lambda_sigma=0.0)
+        check(lens)
+        if options.need_outline:
+            _silhouettes(frames, lens, travel_in_image, replace(options, most_frames=3), scene, emit)
+        return LensSolution(lens=lens, method=LensMethod.GIVEN if options.correct else LensMethod.NONE)
+    found = _silhouettes(frames, lens, travel_in_image, options, scene, emit)
+    fit = fit_plumb_lines(
+        _edges(found, lens, travel_in_image), _scene(frames, lens, travel_in_image, scene), options.plumb_lines
+    )
+    per_unit = (radius_unit_px(lens) / (np.hypot(lens.width_px, lens.height_px) / 2)) ** 2
+    solved = replace(
+        lens,
+        division_lambda=float(fit.lambda_half_diagonal * per_unit),
+        lambda_sigma=float(fit.sigma * per_unit),
+    )
+    check(solved)
+    return LensSolution(lens=solved, method=LensMethod.PLUMB_LINES, plumb_lines=fit)
+
+
+def undistort_frames(
+    frames: FrameSequence, lens: Lens, folder: Path, emit: Emit
+) -> tuple[FrameSequence, Lens]:
+    """Write the frames as a pinhole camera would have taken them, ``folder/STEM.png``.
+
+    Returns:
+        The new sequence and its lens, whose canvas is that of
+        :func:`~pipeline.core.division.undistorted_lens`.
+
+    Raises:
+        StageError: a frame cannot be read, or the folder cannot be written.
+    """
+    pinhole = undistorted_lens(lens)
+    maps = undistortion_maps(lens, pinhole)
+    files = []
+    for done, file in enumerate(frames.files):
+        emit(Event(stage="lens", done=done, total=len(frames), block=frames.block, message=""))
+        image = cv2.remap(read_image(file), *maps, cv2.INTER_CUBIC, borderMode=cv2.BORDER_CONSTANT)
+        files.append(folder / f"{file.stem}.png")
+        write_png(files[-1], image, stage="lens")
+    emit(Event(stage="lens", done=len(frames), total=len(frames), block=frames.block))
+    undistorted = replace(
+        frames, files=tuple(files), width_px=pinhole.width_px, height_px=pinhole.height_px
+    )
+    return undistorted, pinhole
+
+
+def read_image(file: Path) -> Image:
+    """Read an image as uint8, (h, w, 3) blue-green-red.
+
+    Raises:
+        StageError: the file is missing or no image.
+    """
+    data = np.frombuffer(file.read_bytes(), np.uint8) if file.is_file() else np.empty(0, np.uint8)
+    image = cv2.imdecode(data, cv2.IMREAD_COLOR) if data.size else None
+    if image is None:
+        raise StageError("lens", f"{file} cannot be read as an image", "restore the file or take it out")
+    return np.asarray(image, dtype=np.uint8)
+
+
+def _silhouettes(
+    frames: FrameSequence,
+    lens: Lens,
+    travel: TravelDirection,
+    options: LensOptions,
+    scene: CableScene,
+    emit: Emit,
+) -> dict[int, Silhouette]:
+    """Outlines by frame; frames without one are passed over as long as they are few."""
+    chosen = np.unique(np.linspace(0, len(frames) - 1, min(options.most_frames, len(frames))).round().astype(int))
+    width = None if scene.diameter_m is None else _expected_width_px(lens, scene.diameter_m, scene.standoff_m)
+    found: dict[int, Silhouette] = {}
+    missing: list[StageError] = []
+    for done, k in enumerate(chosen):
+        emit(Event(stage="lens", done=done, total=len(chosen), block=frames.block))
+        name = f"{frames.block}, frame {frames.source_indices[k]} ({frames.files[k].name})"
+        try:
+            found[int(k)] = find_silhouette(
+                read_image(frames.files[k]), travel, options.silhouette, width, name
+            )
+        except StageError as error:
+            if "shows no cable" not in error.cause:
+                raise
+            missing.append(error)
+    emit(Event(stage="lens", done=len(chosen), total=len(chosen), block=frames.block))
+    if len(missing) > options.missing_share * len(chosen):
+        raise missing[0]
+    return found
+
+
+def _expected_width_px(lens: Lens, diameter_m: float, standoff_m: float) -> float:
+    """Width of a cylinder's outline: twice f tan(asin(r / D))."""
+    ratio = min(diameter_m / 2 / standoff_m, 0.95)
+    return 2 * lens.focal_px * tan(asin(ratio))
+
+
+def _edges(found: dict[int, Silhouette], lens: Lens, travel: TravelDirection) -> PlumbEdges:
+    """All edge points with the cable along x, relative to the principal point."""
+    points, frame, side = [], [], []
+    for k, silhouette in found.items():
+        for sign, edge in ((-1, silhouette.first), (1, silhouette.second)):
+            points.append(edge - lens.principal_point_px)
+            frame.append(np.full(len(edge), k))
+            side.append(np.full(len(edge), sign))
+    stacked = np.concatenate(points)
+    upright = travel in (TravelDirection.UP, TravelDirection.DOWN)
+    return PlumbEdges(
+        points_px=stacked[:, ::-1] if upright else stacked,
+        frame=np.concatenate(frame).astype(np.int64),
+        side=np.concatenate(side).astype(np.int64),
+    )
+
+
+def _scene(frames: FrameSequence, lens: Lens, travel: TravelDirection, scene: CableScene) -> PlumbScene:
+    return PlumbScene(
+        half_diagonal_px=float(np.hypot(lens.width_px, lens.height_px) / 2),
+        focal_px=lens.focal_px,
+        standoff_m=scene.standoff_m,
+        positions_m=frames.source_indices / max(frames.source_count - 1, 1) * scene.travel_m,
+        forward=1 if travel in (TravelDirection.RIGHT, TravelDirection.DOWN) else -1,
+    )

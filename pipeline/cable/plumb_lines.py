@@ -1,0 +1,261 @@
+"""Lambda from plumb lines: the cable's two edges are straight, the lens bends them into circular arcs.
+
+Takes edge points of many frames of one camera and how the robot moved; gives lambda with an honest sigma.
+Leaves out finding the edges (:mod:`pipeline.cable.silhouette`).
+
+Model: each edge of each frame is, undistorted by equation (15), a straight line of its own (the robot sways)
+plus the shape of the cable.  The shape moves through the frames with the travel while the lens stands still,
+which is how the two are told apart; it is a sum of waves with a prior: *even*, the diameter swells and both
+edges move apart, just as they do under the lens, and *odd*, the axis bends.  Without the shape, sigma would
+be far too small: a swelling of 0.3 mm looks like a fifth of an ordinary barrel distortion.
+
+Starting value: a line becomes x^2 + y^2 + A x + B y + C = 0 about the distortion centre, with C = 1 / lambda
+(Fitzgibbon 2001; paper, references 37 and 38).  Internally x runs along the cable, coordinates are relative to
+the principal point and in half-diagonals, and so is the lambda that is solved for.
+"""
+
+from dataclasses import dataclass, field
+from math import hypot, tau
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.core.errors import StageError
+from pipeline.core.fits.robust import FitOptions, Loss, Prior, solve
+from pipeline.core.vocabulary import Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlumbLineOptions:
+    """What is taken for granted about the cable's shape.
+
+    Attributes:
+        shape_sigma_mm: standard deviation of the cable's diameter, and of its axis across, about the mean.
+            Raised by the fit where the edges show more.
+        shortest_wave_m, longest_wave_m: range of wavelengths of that variation along the cable; its variance
+            is spread evenly over the logarithm of the wavelength.
+        patch_mm: errors of edge points closer than this on the cable are taken as dependent (dirt at the
+            edge deceives all frames in the same way).
+    """
+
+    shape_sigma_mm: float = field(default=0.3, metadata={"above": 0.0})
+    shortest_wave_m: float = field(default=0.1, metadata={"above": 0.0})
+    longest_wave_m: float = field(default=0.6, metadata={"above": 0.0})
+    patch_mm: float = field(default=15.0, metadata={"above": 0.0})
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlumbScene:
+    """Where the camera stands, roughly; a few per cent are good enough.
+
+    Attributes:
+        half_diagonal_px: half of the picture's diagonal.
+        focal_px: focal length.
+        standoff_m: projection centre to cable axis.
+        positions_m: (n,) place of each frame along the cable.
+        forward: +1 where the travel points along the picture's x (right, down), -1 where against it.
+    """
+
+    half_diagonal_px: float
+    focal_px: float
+    standoff_m: float
+    positions_m: Array
+    forward: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlumbEdges:
+    """Edge points of all frames, cable along x, relative to the principal point, pixels.
+
+    Attributes:
+        points_px: (n, 2).
+        frame: (n,) index into the frames.
+        side: (n,) -1 on the first edge (smaller y), +1 on the second.
+    """
+
+    points_px: Array
+    frame: NDArray[np.int64]
+    side: NDArray[np.int64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlumbLineFit:
+    """Lambda and what stands behind it.
+
+    Attributes:
+        lambda_half_diagonal: lambda for radii in half-diagonals.
+        sigma: its standard deviation.
+        start_lambda: the algebraic starting value.
+        line_count, point_count: edges and points used.
+        bent_px, straight_px: root mean square distance from a straight line per edge, before and after the
+            correction; what is left after it is noise and the cable's own shape.
+        noise_px: standard deviation of an edge point.
+        shape_sigma_mm: standard deviation of the shape's prior that the data agreed with.
+    """
+
+    lambda_half_diagonal: float
+    sigma: float
+    start_lambda: float
+    line_count: int
+    point_count: int
+    bent_px: float
+    straight_px: float
+    noise_px: float
+    shape_sigma_mm: float
+
+
+def fit_plumb_lines(edges: PlumbEdges, scene: PlumbScene, options: PlumbLineOptions) -> PlumbLineFit:
+    """Estimate lambda from the edges.
+
+    Raises:
+        StageError: too few edges.
+    """
+    points = edges.points_px / scene.half_diagonal_px
+    lines, line = np.unique(2 * edges.frame + (edges.side > 0), return_inverse=True)
+    if len(lines) < 2 or len(points) < 5 * len(lines):
+        raise StageError(
+            "lens", "too few edges of the cable to estimate lambda", "give more frames, or lambda"
+        )
+    start = _algebraic_start(points, line, len(lines))
+    shape, spread, place_m = _shape_columns(edges, scene, options)
+    unknowns = _Unknowns(points=points, line=line, line_count=len(lines), shape=shape)
+    sigma_scale = 1.0
+    for _ in range(4):
+        values, covariance, residuals, noise, weights = _adjust(unknowns, start, spread * sigma_scale)
+        waves = slice(1 + 2 * len(lines), None)
+        # expectation-maximisation for the prior's scale: mean square of the waves, their uncertainty included
+        found2 = values[waves] ** 2 + np.diag(covariance)[waves]
+        grown = float(np.sqrt(np.mean(found2 / (spread * sigma_scale) ** 2)))
+        if grown <= 1.05:
+            break
+        sigma_scale *= grown
+    variance = _variance_with_dependence(
+        unknowns, values, covariance, weights, residuals, noise, _patches(edges, place_m, options)
+    )
+    return PlumbLineFit(
+        lambda_half_diagonal=float(values[0]),
+        sigma=float(np.sqrt(variance)),
+        start_lambda=start,
+        line_count=len(lines),
+        point_count=len(points),
+        bent_px=_crookedness(points, line, 0.0) * scene.half_diagonal_px,
+        straight_px=_crookedness(points, line, float(values[0])) * scene.half_diagonal_px,
+        noise_px=noise * scene.half_diagonal_px,
+        shape_sigma_mm=options.shape_sigma_mm * sigma_scale,
+    )
+
+
+def _algebraic_start(points: Array, line: NDArray[np.int64], count: int) -> float:
+    """Median over the edges of C = 1 / lambda, from y = a + b x + a lambda r^2, weighted by a^2."""
+    values, weights = np.zeros(count), np.zeros(count)
+    for i in range(count):
+        x, y = points[line == i].T
+        design = np.column_stack([np.ones_like(x), x, x**2 + y**2])
+        a, _, bend = np.linalg.lstsq(design, y, rcond=None)[0]
+        values[i], weights[i] = bend / a if abs(a) > 1e-6 else 0.0, a**2
+    order = np.argsort(values)
+    middle = np.searchsorted(np.cumsum(weights[order]), weights.sum() / 2)
+    farthest2 = float(np.max(np.sum(points**2, axis=1)))
+    return float(np.clip(values[order][min(middle, count - 1)], -0.5 / farthest2, 0.5 / farthest2))
+
+
+def _shape_columns(
+    edges: PlumbEdges, scene: PlumbScene, options: PlumbLineOptions
+) -> tuple[Array, Array, Array]:
+    """Waves (n, m) of the shape at each point, their prior sigmas (m,) in half-diagonals, places (n,) m."""
+    x, y = edges.points_px.T
+    half_width = float(np.median(np.abs(y - np.mean([np.median(y[edges.side == s]) for s in (-1, 1)]))))
+    # the edge is seen where the ray touches the cable: nearer than the axis by cos^2, and slanted
+    cosine = 1 / hypot(1.0, half_width / scene.focal_px)
+    place = scene.positions_m[edges.frame] + scene.forward * x * scene.standoff_m * cosine**2 / scene.focal_px
+    period = 2 * max(float(np.ptp(place)), options.shortest_wave_m)
+    first = max(int(np.ceil(period / options.longest_wave_m)), 1)
+    last = max(int(period / options.shortest_wave_m), first)
+    number = np.arange(first, last + 1)
+    phase = tau * (place[:, None] - place.min()) / period * number
+    waves = np.concatenate([np.cos(phase), np.sin(phase)], axis=1)
+    # a wave with coefficients of variance v for cosine and sine has the variance v everywhere
+    share = np.tile((1 / number) / np.sum(1 / number), 2)
+    px_per_mm = scene.focal_px / (scene.standoff_m * 1000 * cosine**3)
+    per_mm = px_per_mm / scene.half_diagonal_px
+    even, odd = options.shape_sigma_mm / 2 * per_mm, options.shape_sigma_mm * per_mm
+    columns = np.concatenate([edges.side[:, None] * waves, waves], axis=1)
+    return columns, np.concatenate([even * np.sqrt(share), odd * np.sqrt(share)]), place
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Unknowns:
+    """Constants of the adjustment; its values are lambda, (offset, slope) per line, waves."""
+
+    points: Array
+    line: NDArray[np.int64]
+    line_count: int
+    shape: Array
+
+    def residuals(self, values: Array) -> tuple[Array, Array]:
+        """Distances across the edge, in undistorted half-diagonals, and the Jacobian."""
+        r2 = np.sum(self.points**2, axis=1)
+        stretch = 1 / np.maximum(1 + values[0] * r2, 0.05)
+        x, y = (self.points * stretch[:, None]).T
+        offset, slope = values[1 : 1 + 2 * self.line_count].reshape(-1, 2)[self.line].T
+        row = np.arange(len(x))
+        jacobian = np.zeros((len(x), len(values)))
+        jacobian[:, 0] = -(y - slope * x) * r2 * stretch
+        jacobian[row, 1 + 2 * self.line] = -1
+        jacobian[row, 2 + 2 * self.line] = -x
+        jacobian[:, 1 + 2 * self.line_count :] = -self.shape
+        waves = values[1 + 2 * self.line_count :]
+        return y - offset - slope * x - self.shape @ waves, jacobian
+
+
+def _adjust(unknowns: _Unknowns, start: float, spread: Array) -> tuple[Array, Array, Array, float, Array]:
+    """Robust adjustment: values, covariance, residuals, noise, and the total weight of each point."""
+    count = unknowns.line_count
+    values = np.concatenate([[start], np.zeros(2 * count + len(spread))])
+    prior = Prior(mean=np.zeros(len(values)), sigmas=np.concatenate([np.full(1 + 2 * count, np.inf), spread]))
+    # the noise is that of the picture: what undistortion stretches, it must not weigh more
+    weights = (1 + start * np.sum(unknowns.points**2, axis=1)) ** 2
+    found = solve(
+        "plumb line",
+        unknowns.residuals,
+        values,
+        weights=weights,
+        options=FitOptions(loss=Loss.TUKEY, iterations=20),
+        prior=prior,
+    )
+    total = weights * found.robust_weights
+    return found.values, found.covariance, found.residuals, found.noise_sigma, total
+
+
+def _patches(edges: PlumbEdges, place_m: Array, options: PlumbLineOptions) -> NDArray[np.int64]:
+    """Number (n,) of the patch of cable that each point lies on."""
+    patch = np.floor((place_m - place_m.min()) * 1000 / options.patch_mm).astype(np.int64)
+    return np.unique(2 * patch + (edges.side > 0), return_inverse=True)[1]
+
+
+def _variance_with_dependence(
+    unknowns: _Unknowns,
+    values: Array,
+    covariance: Array,
+    weights: Array,
+    residuals: Array,
+    noise: float,
+    patch: NDArray[np.int64],
+) -> float:
+    """Variance of lambda when errors within a patch of the cable go together (cluster-robust sandwich)."""
+    jacobian = unknowns.residuals(values)[1]
+    influence = (jacobian @ covariance[0]) * weights / noise**2
+    independent = float(np.sum(influence**2 * noise**2 / np.maximum(weights, 1e-6) * (weights > 0)))
+    together = float(np.sum(np.bincount(patch, influence * residuals) ** 2))
+    return float(covariance[0, 0]) + max(together - independent, 0.0)
+
+
+def _crookedness(points: Array, line: NDArray[np.int64], division_lambda: float) -> float:
+    """Root mean square distance from the best straight line through each edge, gross errors left out."""
+    straight = points / (1 + division_lambda * np.sum(points**2, axis=1))[:, None]
+    squares = []
+    for i in range(int(line.max()) + 1):
+        x, y = straight[line == i].T
+        rest = y - np.polynomial.Polynomial.fit(x, y, 1)(x)
+        squares.append(rest[np.abs(rest) <= 4 * 1.4826 * np.median(np.abs(rest)) + 1e-12] ** 2)
+    return float(np.sqrt(np.mean(np.concatenate(squares))))

@@ -1,0 +1,247 @@
+"""The mosaicked model: all blocks in one closed surface about the cable's straight axis, with its picture.
+
+Takes the blocks' cropped surfaces and pictures and their places; gives the ring (radius by azimuth and
+position), the unrolled picture of the whole surface, and the rigid motion that lays the fitted axis on the y
+axis.  Where blocks overlap they are blended by how squarely each looked at the surface.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.cable.crop import Crop
+from pipeline.cable.mosaic import Mosaic, MosaicBlock
+from pipeline.cable.surface import smoothed
+from pipeline.core.events import Emit, Event
+from pipeline.core.fits.cylinder import fit_cylinder
+from pipeline.core.vocabulary import Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class RingOptions:
+    """Resolution of the joined model.
+
+    Attributes:
+        cell_mm: side of a cell of the radius map.
+        texel_mm: side of a texel of the unrolled picture; 0 takes the blocks' own.
+        ends_mm: length kept beyond the first and the last frame.
+    """
+
+    cell_mm: float = 0.5
+    texel_mm: float = 0.0
+    ends_mm: float = 15.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Alignment:
+    """Rigid motion from the mosaic's frame to the cable's: the fitted axis becomes the y axis.
+
+    Attributes:
+        rotation: (3, 3).
+        translation: (3,) metres.
+    """
+
+    rotation: Array
+    translation: Array
+
+    def apply(self, points: Array) -> Array:
+        """Move points (..., 3)."""
+        return points @ self.rotation.T + self.translation
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ring:
+    """The joined surface in the cable frame.
+
+    Attributes:
+        alignment: from the mosaic's frame.
+        azimuth: (m,) radians, cell centres, the full turn.
+        y_m: (n,) metres, cell centres.
+        radius_m: (n, m), NaN where no block saw the surface.
+        measured: (n, m) bool, false where a block closed a hole.
+        picture: (p, q, 3) uint8 unrolled picture, blue, green, red; rows along y, columns around.
+        picture_known: (p, q) bool.
+        picture_y_m: (p,) metres; picture_azimuth: (q,) radians.
+        texel_mm: side of a texel.
+    """
+
+    alignment: Alignment
+    azimuth: Array
+    y_m: Array
+    radius_m: NDArray[np.floating]
+    measured: NDArray[np.bool_]
+    picture: NDArray[np.uint8]
+    picture_known: NDArray[np.bool_]
+    picture_y_m: Array
+    picture_azimuth: Array
+    texel_mm: float
+
+
+def build_ring(
+    blocks: tuple[MosaicBlock, ...],
+    crops: tuple[Crop, ...],
+    mosaic: Mosaic,
+    travel_m: float,
+    options: RingOptions,
+    emit: Emit,
+) -> Ring:
+    """Join the placed blocks."""
+    alignment = _align(blocks, mosaic)
+    sparse = np.concatenate([p for p, _ in _placed(blocks, mosaic, alignment, 8)])
+    radius_m = float(np.median(np.hypot(sparse[:, 0], sparse[:, 2])))
+    texel_mm = options.texel_mm or max(b.picture.texel_mm for b in blocks)
+    azimuth, y_m = _cells(radius_m, travel_m, options.cell_mm, options)
+    picture_azimuth, picture_y = _cells(radius_m, travel_m, texel_mm, options)
+    shape, picture_shape = (len(y_m), len(azimuth)), (len(picture_y), len(picture_azimuth))
+    total, weight, measured = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+    colour = np.zeros((*picture_shape, 3), dtype=np.float32)
+    share = np.zeros(picture_shape, dtype=np.float32)
+    gains = _gains(blocks)
+    for number, (block, crop) in enumerate(zip(blocks, crops, strict=True)):
+        emit(Event(stage="ring", block=block.name, done=number, total=len(blocks)))
+        square = _squareness(crop)
+        points = alignment.apply(mosaic.placement.apply(number, block.surface.points()))
+        _add_radius(points, block, crop, square, azimuth, y_m, (total, weight, measured))
+        _add_colour(points, block, crop, square, gains[number], picture_azimuth, picture_y, (colour, share))
+    known = weight > 0
+    return Ring(
+        alignment=alignment,
+        azimuth=azimuth,
+        y_m=y_m,
+        radius_m=np.where(known, total / np.where(known, weight, 1), np.nan).astype(np.float32),
+        measured=measured > 0,
+        picture=np.clip(colour / np.maximum(share, 1e-6)[..., None], 0, 255).astype(np.uint8),
+        picture_known=share > 1e-3,
+        picture_y_m=picture_y,
+        picture_azimuth=picture_azimuth,
+        texel_mm=texel_mm,
+    )
+
+
+def _cells(radius_m: float, travel_m: float, side_mm: float, options: RingOptions) -> tuple[Array, Array]:
+    columns = round(2 * np.pi * radius_m / (side_mm / 1000))
+    azimuth = -np.pi + (np.arange(columns) + 0.5) * 2 * np.pi / columns
+    ends = options.ends_mm / 1000
+    return azimuth, np.arange(-ends, travel_m + ends, side_mm / 1000)
+
+
+def _placed(
+    blocks: tuple[MosaicBlock, ...], mosaic: Mosaic, alignment: Alignment | None, step: int
+) -> Iterator[tuple[Array, int]]:
+    """Every ``step``-th kept cell of each block, smoothed, in the mosaic's or the cable's frame."""
+    for number, block in enumerate(blocks):
+        thin = (slice(None, None, step), slice(None, None, step))
+        points = smoothed(block.surface, 2.0).points(*thin)[block.keep[thin]]
+        points = mosaic.placement.apply(number, points[np.isfinite(points[:, 0])])
+        yield (points if alignment is None else alignment.apply(points)), number
+
+
+def _align(blocks: tuple[MosaicBlock, ...], mosaic: Mosaic) -> Alignment:
+    """Turn and shift the fitted axis onto the y axis, without turning about it or sliding along it."""
+    points = np.concatenate([p for p, _ in _placed(blocks, mosaic, None, 12)])
+    cylinder = fit_cylinder(points, direction=(0.0, 1.0, 0.0))
+    along = cylinder.direction
+    cosine, cross = along[1], np.cross(along, [0.0, 1.0, 0.0])
+    skew = np.array([[0, -cross[2], cross[1]], [cross[2], 0, -cross[0]], [-cross[1], cross[0], 0]])
+    rotation = np.eye(3) + skew + skew @ skew / (1 + cosine)
+    pivot = cylinder.point
+    return Alignment(rotation=rotation, translation=np.array([0.0, pivot[1], 0.0]) - rotation @ pivot)
+
+
+def _squareness(crop: Crop) -> Array:
+    """Weight of each column: 1 where the camera looked square at the surface, 0 at the cut."""
+    cut = crop.incidence_deg[crop.keep.any(axis=0)].max()
+    return np.cos(np.deg2rad(np.minimum(90.0 * crop.incidence_deg / (cut + 1), 90.0))) ** 2 + 1e-3
+
+
+def _add_radius(
+    points: Array,
+    block: MosaicBlock,
+    crop: Crop,
+    square: Array,
+    azimuth: Array,
+    y_m: Array,
+    sums: tuple[Array, Array, Array],
+) -> None:
+    """Drop every kept cell of a block into the ring's cells."""
+    total, weight, measured = sums
+    kept = crop.keep & np.isfinite(points[..., 0])
+    x, y, z = points[kept].T
+    column = np.floor((np.arctan2(-z, x) + np.pi) / (2 * np.pi) * len(azimuth)).astype(int) % len(azimuth)
+    row = np.rint((y - y_m[0]) / (y_m[1] - y_m[0])).astype(int)
+    share = np.broadcast_to(square, kept.shape)[kept]
+    seen = block.surface.measured[kept]
+    inside = (row >= 0) & (row < len(y_m))
+    cell = row[inside] * len(azimuth) + column[inside]
+    for sums_of, values in ((total, share * np.hypot(x, z)), (weight, share), (measured, seen * 1.0)):
+        sums_of += np.bincount(cell, weights=values[inside], minlength=sums_of.size).reshape(sums_of.shape)
+
+
+def _add_colour(
+    points: Array,
+    block: MosaicBlock,
+    crop: Crop,
+    square: Array,
+    gain: float,
+    azimuth: Array,
+    y_m: Array,
+    sums: tuple[NDArray[np.float32], NDArray[np.float32]],
+) -> None:
+    """Look the ring's texels up in one block's picture, through the block's own surface coordinates."""
+    surface, picture = block.surface, block.picture
+    turn, rise = _own_coordinates(points, surface.azimuth, surface.y_m, azimuth, y_m)
+    column = np.interp(turn, picture.azimuth, np.arange(len(picture.azimuth)), left=-9, right=-9)
+    row = np.interp(rise, picture.y_m, np.arange(len(picture.y_m)), left=-9, right=-9)
+    where = column.astype(np.float32), row.astype(np.float32)
+    colour = cv2.remap(picture.colour, *where, cv2.INTER_CUBIC).astype(np.float32) * np.float32(gain)
+    known = cv2.remap(picture.known.astype(np.float32), *where, cv2.INTER_LINEAR) > 0.99
+    across = np.interp(turn, surface.azimuth, square, left=0, right=0)
+    keep_column = np.interp(turn, surface.azimuth, np.arange(len(surface.azimuth)), left=-9, right=-9)
+    keep_row = np.interp(rise, surface.y_m, np.arange(len(surface.y_m)), left=-9, right=-9)
+    keep = cv2.remap(
+        crop.keep.astype(np.float32),
+        keep_column.astype(np.float32),
+        keep_row.astype(np.float32),
+        cv2.INTER_LINEAR,
+    )
+    factor = (known * across * (keep > 0.5)).astype(np.float32)
+    sums[0][...] += colour * factor[..., None]
+    sums[1][...] += factor
+
+
+def _own_coordinates(
+    points: Array, own_azimuth: Array, own_y: Array, azimuth: Array, y_m: Array
+) -> tuple[Array, Array]:
+    """The block's own azimuth and y at each texel of the ring, (p, q) each.
+
+    The two coordinate systems differ by a small rigid motion, so their difference is smooth: it is fitted by
+    a polynomial of second order on a sample of the block's cells.
+    """
+    rows = np.linspace(0, points.shape[0] - 1, 40).astype(int)
+    columns = np.linspace(0, points.shape[1] - 1, 40).astype(int)
+    sample = points[np.ix_(rows, columns)].reshape(-1, 3)
+    turn, rise = (g.ravel() for g in np.meshgrid(own_azimuth[columns], own_y[rows]))
+    good = np.isfinite(sample[:, 0])
+    sample, turn, rise = sample[good], turn[good], rise[good]
+    middle = own_azimuth.mean()
+    around = middle + np.angle(np.exp(1j * (np.arctan2(-sample[:, 2], sample[:, 0]) - middle)))
+
+    def design(a: Array, y: Array) -> Array:
+        return np.stack([np.ones_like(a), a, y, a * a, a * y, y * y], axis=-1)
+
+    offsets = np.stack([turn - around, rise - sample[:, 1]], axis=1)
+    centre_y = float(own_y.mean())
+    fitted = np.linalg.lstsq(design(around - middle, sample[:, 1] - centre_y), offsets, rcond=None)[0]
+    wide = middle + np.angle(np.exp(1j * (azimuth - middle)))
+    grid_azimuth, grid_y = np.meshgrid(wide, y_m)
+    moved = design(grid_azimuth - middle, grid_y - centre_y) @ fitted
+    return grid_azimuth + moved[..., 0], grid_y + moved[..., 1]
+
+
+def _gains(blocks: tuple[MosaicBlock, ...]) -> list[float]:
+    """Brightness factors that bring every block's picture to the common mean."""
+    means = [float(b.picture.colour[b.picture.known].mean()) for b in blocks]
+    return [float(np.mean(means)) / max(m, 1.0) for m in means]

@@ -1,0 +1,375 @@
+"""An evaluation finds errors that were put in on purpose, each with its size and sign."""
+
+import json
+from math import cos, radians, sin
+
+import cv2  # noqa: F401 - before pycolmap
+import numpy as np
+import pycolmap
+import pytest
+
+from pipeline.core.errors import StageError
+from pipeline.evaluate import evaluate, format_table, write_evaluation
+
+PAPER = {"A": (112.383, 111.4), "B": (112.125, 110.8), "C": (111.748, 110.7), "D": (111.731, 111.1)}
+FRAMES = 12
+TRAVEL_M = 0.46
+THETA_DEG = np.arange(0.0, 360.0, 2.0)
+POSITION_M = np.linspace(0.0, TRAVEL_M, 47)
+
+
+def turn(axis, angle_deg):
+    a = radians(angle_deg)
+    x, y = [k for k in range(3) if k != axis] if axis != 1 else (2, 0)
+    R = np.eye(3)
+    R[x, x] = R[y, y] = cos(a)
+    R[x, y], R[y, x] = -sin(a), sin(a)
+    return R
+
+
+def true_pose(block, frame):
+    """(R, centre) of a camera that looks at the axis; its x axis along the travel."""
+    a = radians(90.0 * block)
+    forward, right = np.array([-cos(a), 0, sin(a)]), np.array([0.0, 1.0, 0.0])
+    R = np.stack([right, np.cross(forward, right), forward])
+    return R, np.array([0.3 * cos(a), TRAVEL_M * frame / (FRAMES - 1), -0.3 * sin(a)])
+
+
+def true_radius(theta_deg, position_m):
+    theta, position = np.meshgrid(np.radians(theta_deg), position_m)
+    return 55.5 + 0.2 * np.cos(2 * theta) + 0.3 * np.sin(8 * position)
+
+
+def matrix(R, centre):
+    return np.column_stack([R, -R @ centre])
+
+
+def write_sparse(folder, block, change, frames=range(FRAMES), name="{:06d}.png"):
+    """A COLMAP model of one block, each true pose changed by a function (R, centre) -> (R, centre)."""
+    model = pycolmap.Reconstruction()
+    camera = pycolmap.Camera(
+        model="SIMPLE_PINHOLE", width=960, height=600, params=[720, 480, 300], camera_id=1
+    )
+    model.add_camera_with_trivial_rig(camera)
+    for number, frame in enumerate(frames, start=1):
+        pose = pycolmap.Rigid3d(matrix(*change(*true_pose(block, frame))))
+        image = pycolmap.Image(name=name.format(frame), camera_id=1, image_id=number)
+        model.add_image_with_trivial_frame(image, pose)
+    folder.mkdir(parents=True)
+    model.write(str(folder))
+
+
+def same(R, centre):
+    return R, centre
+
+
+@pytest.fixture
+def case(tmp_path):
+    """A function that writes a run and its truth, with errors as asked, and gives both paths."""
+
+    def write(change=same, blocks=(0, 1, 2, 3), radius_mm=None, lens=(), stations=None, frames=range(FRAMES)):
+        run = tmp_path / f"run{len(list(tmp_path.iterdir()))}"
+        lenses = {
+            f"Block{b + 1}": {
+                "focal_px": 720.0,
+                "principal_point_px": [480.0, 300.0],
+                "division_lambda": -0.02,
+                "lambda_radius": "half-diagonal",
+                "width_px": 960,
+                "height_px": 600,
+            }
+            for b in blocks
+        }
+        of_run = {key: value for key, value in lenses["Block1"].items() if not key.endswith("_px")}
+        report = {
+            "format": 1,
+            "name": "test",
+            "stations": stations
+            or [
+                {"name": n, "position_m": 0.1 * k, "diameter_mm": model, "sigma_mm": 0.5}
+                for k, (n, (model, _)) in enumerate(PAPER.items(), start=1)
+            ],
+            "blocks": [{"name": name, **of_run, "focal_px": 720.0, **dict(lens)} for name in lenses],
+            "axis": {"straightness_mm_per_m": 0.12},
+        }
+        truth = {
+            "format": 1,
+            "stations": [
+                {"name": n, "position_m": 0.1 * k, "diameter_mm": true}
+                for k, (n, (_, true)) in enumerate(PAPER.items(), start=1)
+            ],
+            "radius_mm": {
+                "theta_deg": THETA_DEG.tolist(),
+                "position_m": POSITION_M.tolist(),
+                "values": true_radius(THETA_DEG, POSITION_M).tolist(),
+            },
+            "poses": {
+                f"Block{b + 1}": [
+                    {"frame": k, "cam_from_world": matrix(*true_pose(b, k)).tolist()} for k in range(FRAMES)
+                ]
+                for b in blocks
+            },
+            "lenses": lenses,
+            "travel_m": TRAVEL_M,
+            "spec": {},
+        }
+        for b in blocks:
+            write_sparse(run / "blocks" / f"Block{b + 1}" / "sparse", b, change, frames)
+        theta, position = np.arange(0.5, 360, 2.5), np.linspace(0.005, 0.455, 61)
+        radius = true_radius(theta, position) if radius_mm is None else radius_mm(theta, position)
+        np.savez(run / "radius_map.npz", theta_deg=theta, position_m=position, radius_mm=radius)
+        (run / "report.json").write_text(json.dumps(report))
+        (tmp_path / "truth.json").write_text(json.dumps(truth))
+        return run, tmp_path / "truth.json"
+
+    return write
+
+
+def test_diameters_repeat_the_papers_table_2(case):
+    found = evaluate(*case()).diameters
+    assert found.mean_absolute_mm == pytest.approx(0.99675, abs=1e-5)
+    a, b, c, d = found.stations
+    # the paper prints -1.017 and 0.913 % for A, which contradicts its own diameters
+    assert a.difference_mm == pytest.approx(0.983, abs=1e-9)
+    assert [round(row.relative_percent, 3) for row in (b, c, d)] == [1.196, 0.947, 0.568]
+    assert b.z == pytest.approx(1.325 / 0.5)
+    assert found.largest_mm == pytest.approx(1.325)
+
+
+def test_a_station_without_sigma_has_no_z(case):
+    stations = [{"name": n, "position_m": 0.1 * k, "diameter_mm": 111.0} for k, n in enumerate("ABCD", 1)]
+    stations[1]["sigma_mm"] = None
+    found = evaluate(*case(stations=stations)).diameters.stations
+    assert all(np.isnan(row.z) and np.isnan(row.sigma_mm) for row in found)
+
+
+def test_a_perfect_run_has_no_errors(case):
+    found = evaluate(*case())
+    for row in (*found.cameras.as_they_stand, *found.cameras.fitted):
+        assert row.position_mm < 1e-9
+        assert row.attitude_deg < 1e-6
+    assert [row.block for row in found.cameras.fitted] == ["Block1", "Block2", "Block3", "Block4", "all"]
+    assert [row.frames for row in found.cameras.fitted] == [12, 12, 12, 12, 48]
+    assert all(
+        abs(row.focal_percent) + abs(row.lambda_error) + row.displacement_px == 0 for row in found.lenses
+    )
+    assert abs(found.surface.bias_mm) < 2e-3
+    assert found.surface.noise_mm < 2e-3
+    assert found.surface.bow_mm < 2e-3
+    assert found.surface.coverage_percent == 100
+    assert found.straightness_mm_per_m == 0.12
+
+
+def test_a_rigid_motion_of_the_whole_is_seen_as_it_stands_and_gone_after_the_fit(case):
+    Q, shift = turn(1, 0.3), np.array([0.0, 0.002, 0.0])
+    found = evaluate(*case(change=lambda R, c: (R @ Q.T, Q @ c + shift))).cameras
+    stands, fitted = found.as_they_stand[-1], found.fitted[-1]
+    assert stands.along_mm == pytest.approx(2.0, abs=1e-6)
+    assert stands.around_mm == pytest.approx(300 * radians(0.3), rel=1e-3)
+    assert stands.radial_mm < 0.01
+    assert stands.attitude_deg == pytest.approx(0.3, abs=1e-6)
+    assert fitted.position_mm < 1e-6
+    assert fitted.attitude_deg < 1e-6
+    assert found.fit_rotation_deg == pytest.approx(0.3, abs=1e-6)
+    assert found.fit_translation_mm == pytest.approx(2.0, abs=1e-6)
+
+
+def test_one_block_alone_is_fitted_though_its_centres_lie_on_a_line(case):
+    Q = turn(1, 5.0)
+    fitted = evaluate(*case(change=lambda R, c: (R @ Q.T, Q @ c), blocks=(0,))).cameras.fitted
+    assert [row.block for row in fitted] == ["Block1", "all"]
+    assert fitted[0].position_mm < 1e-6
+    assert fitted[0].attitude_deg < 1e-6
+
+
+def test_a_wider_ring_stays_after_the_fit(case):
+    found = evaluate(*case(change=lambda R, c: (R, c * [1.002, 1, 1.002]))).cameras
+    for rows in (found.as_they_stand, found.fitted):
+        assert rows[-1].radial_mm == pytest.approx(0.6, abs=1e-3)
+        assert rows[-1].around_mm + rows[-1].along_mm < 1e-3
+
+
+def test_attitude_errors_of_single_frames_stay_after_the_fit(case):
+    def nod(R, c):
+        return turn(0, 0.1 if round(c[1] / TRAVEL_M * 11) % 2 else -0.1) @ R, c
+
+    found = evaluate(*case(change=nod)).cameras
+    assert found.as_they_stand[-1].attitude_deg == pytest.approx(0.1, rel=1e-5)
+    assert found.fitted[-1].attitude_deg == pytest.approx(0.1, rel=0.01)
+
+
+def test_selected_frames_are_compared_with_their_own_truth(case):
+    found = evaluate(*case(frames=[0, 5, 11])).cameras.as_they_stand
+    assert found[-1].frames == 12
+    assert found[-1].position_mm < 1e-9
+
+
+def test_a_longer_focal_length_moves_the_corner_by_its_share(case):
+    (row, *_) = evaluate(*case(lens={"focal_px": 727.2})).lenses
+    assert row.focal_percent == pytest.approx(1.0)
+    # undistorted, the corner of lambda = -0.02 lies at half the diagonal / 0.98
+    assert row.displacement_px == pytest.approx(np.hypot(480, 300) / 0.98 * (1 - 1 / 1.01), rel=1e-6)
+
+
+def test_lambda_is_compared_in_the_unit_of_the_truth(case):
+    half_width = {"division_lambda": -0.02 * (480 / np.hypot(480, 300)) ** 2, "lambda_radius": "half-width"}
+    (row, *_) = evaluate(*case(lens=half_width)).lenses
+    assert row.lambda_error == pytest.approx(0, abs=1e-12)
+    assert row.displacement_px < 1e-9
+
+
+def test_a_wrong_lambda_is_told_in_its_unit_and_in_pixels(case):
+    (row, *_) = evaluate(*case(lens={"division_lambda": -0.03})).lenses
+    corner = np.hypot(480, 300)
+    assert row.lambda_error == pytest.approx(-0.01)
+    assert row.displacement_px == pytest.approx(corner / 0.97 - corner / 0.98, rel=1e-6)
+
+
+def test_a_lens_that_folds_is_infinitely_wrong(case):
+    (row, *_) = evaluate(*case(lens={"division_lambda": -1.5})).lenses
+    assert row.displacement_px == float("inf")
+
+
+def test_bias_and_noise_of_the_surface_are_found_as_put_in(case):
+    def noisy(theta, position):
+        shape = (len(position), len(theta))
+        noise = np.random.default_rng(4).normal(0, 0.03, shape)
+        noise[5, ::7] = 3.0  # a few wild cells do not count as noise
+        low = 0.2 * np.cos(np.radians(theta)) * np.linspace(-1, 1, shape[0])[:, None]
+        return true_radius(theta, position) + 0.05 + noise + low
+
+    found = evaluate(*case(radius_mm=noisy)).surface
+    assert found.bias_mm == pytest.approx(0.05, abs=0.01)
+    assert 0.028 < found.noise_mm < 0.032
+    assert 0.15 < found.within_95_mm < 0.35
+
+
+def test_a_bowed_axis_is_measured_and_a_straight_crooked_one_is_not_bowed(case):
+    def bowed(theta, position):
+        t = np.linspace(-1, 1, len(position))[:, None]
+        return true_radius(theta, position) - np.sin(np.radians(theta)) * 0.4 * (1 - t**2)
+
+    def tilted(theta, position):
+        t = np.linspace(-1, 1, len(position))[:, None]
+        return true_radius(theta, position) - np.sin(np.radians(theta)) * 0.4 * t
+
+    # 12 rings see 0.4 (1 - t^2) as its means: 0.398 in the middle, 0.064 at the end, 0.267 on the average
+    assert evaluate(*case(radius_mm=bowed)).surface.bow_mm == pytest.approx(0.267 - 0.064, abs=0.01)
+    assert evaluate(*case(radius_mm=tilted)).surface.bow_mm < 0.005
+
+
+def test_holes_lower_the_coverage_and_an_open_ring_has_no_axis(case):
+    def strip(theta, position):
+        radius = true_radius(theta, position)
+        radius[:, theta > 120] = np.nan
+        return radius
+
+    found = evaluate(*case(radius_mm=strip)).surface
+    assert found.coverage_percent == pytest.approx(100 / 3, abs=0.2)
+    assert np.isnan(found.bow_mm)
+    assert abs(found.bias_mm) < 2e-3
+
+
+def test_stations_alone_are_truth_enough(case):
+    run, path = case()
+    truth = json.loads(path.read_text())
+    path.write_text(json.dumps({"format": 1, "stations": truth["stations"]}))
+    found = evaluate(run, path)
+    assert found.diameters.mean_absolute_mm > 0.9
+    assert (found.cameras, found.lenses, found.surface) == (None, None, None)
+    assert "MAE 0.9967 mm" in format_table(found)
+
+
+def test_the_table_shows_each_part_in_aligned_columns(case):
+    lines = format_table(evaluate(*case())).splitlines()
+    assert lines[1].split()[:9] == ["station", "at", "m", "model", "mm", "truth", "mm", "diff", "mm"]
+    row = next(line for line in lines if line.startswith("B "))
+    assert row.split() == ["B", "0.200", "112.125", "110.800", "+1.325", "1.196", "0.500", "2.7"]
+    assert len({len(line) for line in lines[1:6]}) == 1
+    assert "MAE 0.9967 mm, largest 1.325 mm (the paper's MAE: 1.0053 mm)" in lines
+    assert sum(line.startswith("Block3") for line in lines) == 3
+
+
+def test_the_json_holds_every_number_and_null_for_what_is_unknown(case, tmp_path):
+    def strip(theta, position):
+        radius = true_radius(theta, position)
+        radius[:, theta > 120] = np.nan
+        return radius
+
+    write_evaluation(evaluate(*case(radius_mm=strip)), tmp_path / "evaluation.json")
+    written = json.loads((tmp_path / "evaluation.json").read_text())
+    assert written["format"] == 1
+    assert written["diameters"]["stations"][1]["difference_mm"] == pytest.approx(1.325)
+    assert written["cameras"]["fitted"][-1]["block"] == "all"
+    assert written["lenses"][0]["focal_percent"] == 0
+    assert written["surface"]["bow_mm"] is None
+
+
+def spoil(path, change):
+    values = json.loads(path.read_text())
+    change(values)
+    path.write_text(json.dumps(values))
+
+
+@pytest.mark.parametrize(
+    ("file", "change", "words"),
+    [
+        ("truth", lambda v: v.update(format=2), ["truth.json: format is 2"]),
+        ("truth", lambda v: v.pop("stations"), ["stations is missing"]),
+        ("truth", lambda v: v.update(stations=[]), ["stations is empty"]),
+        ("truth", lambda v: v["stations"][0].pop("diameter_mm"), ["stations[0].diameter_mm is missing"]),
+        (
+            "truth",
+            lambda v: v["stations"][0].update(diameter_mm="big"),
+            ["stations[0].diameter_mm is no number"],
+        ),
+        ("truth", lambda v: v["stations"][0].update(position_m=0.2), ["station A lies at 0.1 m", "at 0.2 m"]),
+        ("truth", lambda v: v["stations"][0].update(name="Z"), ["report.json", "station Z"]),
+        ("truth", lambda v: v["lenses"].pop("Block3"), ["lenses.Block3 is missing"]),
+        ("truth", lambda v: v["poses"]["Block2"].pop(4), ["poses.Block2 has no frame 4"]),
+        (
+            "truth",
+            lambda v: v["poses"]["Block2"][4].update(cam_from_world=[1, 2]),
+            ["cam_from_world", "3 x 4"],
+        ),
+        ("truth", lambda v: v["radius_mm"]["values"].pop(), ["radius_mm.values has the shape"]),
+        ("truth", lambda v: v["poses"].update(Block9=[]), ["Block9", "no sparse model"]),
+        (
+            "report",
+            lambda v: v["stations"][2].update(diameter_mm=None),
+            ["stations[2].diameter_mm is missing"],
+        ),
+        (
+            "report",
+            lambda v: v["blocks"][0].update(lambda_radius="corner"),
+            ["blocks[0].lambda_radius is corner"],
+        ),
+    ],
+)
+def test_files_that_do_not_fit_are_told_with_file_and_key(case, file, change, words):
+    run, truth = case()
+    spoil(truth if file == "truth" else run / "report.json", change)
+    with pytest.raises(StageError) as caught:
+        evaluate(run, truth)
+    for word in words:
+        assert word in str(caught.value)
+
+
+def test_missing_and_broken_files_are_told(case, tmp_path):
+    run, truth = case()
+    with pytest.raises(StageError, match="nowhere is no folder"):
+        evaluate(tmp_path / "nowhere", truth)
+    with pytest.raises(StageError, match=r"none\.json cannot be read"):
+        evaluate(run, tmp_path / "none.json")
+    (run / "radius_map.npz").write_bytes(b"PK nothing")
+    with pytest.raises(StageError, match=r"radius_map\.npz is no map of radii"):
+        evaluate(run, truth)
+    (run / "radius_map.npz").unlink()
+    with pytest.raises(StageError, match=r"radius_map\.npz is missing"):
+        evaluate(run, truth)
+    (run / "blocks" / "Block1" / "sparse" / "images.bin").write_bytes(b"\1")
+    with pytest.raises(StageError, match=r"Block1.sparse cannot be read as a COLMAP model"):
+        evaluate(run, truth)
+    (run / "report.json").write_text("{")
+    with pytest.raises(StageError, match=r"report\.json is no JSON"):
+        evaluate(run, truth)

@@ -6,7 +6,6 @@ input with one sentence, 130 when interrupted.
 
 import argparse
 import json
-import signal
 import sys
 from collections.abc import Callable
 from dataclasses import asdict
@@ -25,7 +24,6 @@ def main(arguments: list[str] | None = None) -> int:
         spec = read_spec(options.spec)
         from synth.render import render_survey  # bpy takes seconds to load: only for a good specification
 
-        signal.signal(signal.SIGINT, signal.default_int_handler)  # bpy may have taken it
         survey = render_survey(spec, options.out, _emitter(options))
     except StageError as error:
         print(error, file=sys.stderr)
@@ -38,9 +36,13 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="python -m synth", description="Synthetic surveys with known truth.")
+    parser = argparse.ArgumentParser(
+        prog="python -m synth", description="Synthetic surveys with known truth."
+    )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    render = commands.add_parser("render", help="render a survey: one video per block, survey.toml, truth.json")
+    render = commands.add_parser(
+        "render", help="render a survey: one video per block, survey.toml, truth.json"
+    )
     render.add_argument("spec", type=Path, metavar="SPEC.toml")
     render.add_argument("out", type=Path, metavar="OUT")
     render.add_argument("--events", choices=["json"], help="progress as one JSON event a line on stderr")
@@ -61,7 +63,12 @@ def _bar(event: Event) -> None:
     end = "\n" if event.done == event.total or not sys.stderr.isatty() else ""
     start = "\r" if sys.stderr.isatty() else ""
     bar = f"[{'#' * filled}{'.' * (30 - filled)}]"
-    print(f"{start}{event.stage} {bar} {event.done}/{event.total} {event.block}", end=end, file=sys.stderr, flush=True)
+    print(
+        f"{start}{event.stage} {bar} {event.done}/{event.total} {event.block}",
+        end=end,
+        file=sys.stderr,
+        flush=True,
+    )
 
 
 if __name__ == "__main__":

@@ -38,7 +38,9 @@ def make_camera(scene: bpy.types.Scene) -> bpy.types.Object:
     text.write(SHADER_FILE.read_text(encoding="ascii"))
     data.custom_shader = text  # assigning compiles
     if not data.custom_bytecode_hash or "focal_px" not in data.cycles_custom:
-        raise StageError("lens", f"Cycles did not compile {SHADER_FILE.name}", "reinstall bpy with `make setup`")
+        raise StageError(
+            "lens", f"Cycles did not compile {SHADER_FILE.name}", "reinstall bpy with `make setup`"
+        )
     return camera
 
 

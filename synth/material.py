@@ -1,4 +1,4 @@
-"""The sheath's material with the ring's lamps inside it: shading in closed form, free of render noise.  Needs bpy.
+"""The sheath's material with the ring's lamps in it: shading in closed form, free of noise.  Needs bpy.
 
 A convex cable throws no shadow on itself, so light from point lamps can be written down exactly: per lamp a
 matt term max(0, n.l) / d^2 and a soft highlight (Phong's lobe about the mirrored view ray).  As the material
@@ -73,7 +73,9 @@ class LitMaterial:
         squared = self._vector("DOT_PRODUCT", to_lamp, to_lamp)
         distance = self._math("SQRT", squared)
         cube = self._math("MULTIPLY", squared, distance)
-        facing = self._math("MAXIMUM", self._vector("DOT_PRODUCT", self._geometry.outputs["Normal"], to_lamp), 0.0)
+        facing = self._math(
+            "MAXIMUM", self._vector("DOT_PRODUCT", self._geometry.outputs["Normal"], to_lamp), 0.0
+        )
         mirrored = self._math("DIVIDE", self._vector("DOT_PRODUCT", self._mirrored, to_lamp), distance)
         lobe = self._math("POWER", self._math("MAXIMUM", mirrored, 0.0), HIGHLIGHT_EXPONENT)
         return self._math("DIVIDE", facing, cube), self._math("DIVIDE", lobe, squared)

@@ -1,7 +1,7 @@
 """The true surface as a fine quad mesh; pure numpy.
 
-Takes the cable, gives vertices, quads and texture coordinates.  The grid turns with the fillets, so that their
-small curvature is resolved around the girth only and the rows along the axis may be coarse.
+Takes the cable, gives vertices, quads and texture coordinates.  The grid turns with the fillets, so that
+their small curvature is resolved around the girth only and the rows along the axis may be coarse.
 """
 
 import itertools
@@ -46,13 +46,19 @@ def cable_mesh(cable: Cable, robot: Robot) -> CableMesh:
     azimuth = around[None, :] + twist[:, None]
     radius = radius_m(cable, azimuth, y[:, None])
     vertices = np.stack(
-        [radius * np.cos(azimuth), np.broadcast_to(y[:, None], radius.shape), -radius * np.sin(azimuth)], axis=-1
+        [radius * np.cos(azimuth), np.broadcast_to(y[:, None], radius.shape), -radius * np.sin(azimuth)],
+        axis=-1,
     )
     rows, columns = len(y), len(around)
     row, column = np.meshgrid(np.arange(rows - 1), np.arange(columns), indexing="ij")
     following = (column + 1) % columns
     quads = np.stack(
-        [row * columns + column, row * columns + following, (row + 1) * columns + following, (row + 1) * columns + column],
+        [
+            row * columns + column,
+            row * columns + following,
+            (row + 1) * columns + following,
+            (row + 1) * columns + column,
+        ],
         axis=-1,
     ).reshape(-1, 4)
     closed = np.append(around, around[0] + 2.0 * math.pi)
@@ -61,7 +67,9 @@ def cable_mesh(cable: Cable, robot: Robot) -> CableMesh:
     grid = np.stack([u, v], axis=-1)
     uv = np.stack([grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]], axis=2)
     return CableMesh(
-        vertices=vertices.reshape(-1, 3), quads=quads.astype(np.int32), uv=uv.reshape(-1, 4, 2).astype(np.float32)
+        vertices=vertices.reshape(-1, 3),
+        quads=quads.astype(np.int32),
+        uv=uv.reshape(-1, 4, 2).astype(np.float32),
     )
 
 

@@ -99,7 +99,7 @@ def _mounted_camera(spec: Spec, index: int, angle_rad: float) -> tuple[Array, Ar
 
 
 def nominal_rotation(robot: Robot, angle_rad: float) -> Array:
-    """ring_from_cam of a camera at this azimuth that looks at the axis, (3, 3): columns are its x, y, z axes."""
+    """ring_from_cam (3, 3) of a camera at this azimuth that looks at the axis; columns are its axes."""
     travel = np.array([0.0, 1.0, 0.0])
     forward = np.array([-math.cos(angle_rad), 0.0, math.sin(angle_rad)])
     match robot.travel_in_image:

@@ -10,14 +10,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-import cv2
 import numpy as np
-import OpenEXR
-from numpy.typing import NDArray
 
 from pipeline.core.errors import StageError
 from pipeline.core.events import Emit, Event
 from pipeline.core.vocabulary import Lens, Poses
+from synth.files import read_png, write_depth, write_png, write_text
 from synth.lens import block_lenses
 from synth.motion import block_poses, ring_motion
 from synth.scene import Scene, build_scene, lamps_in_ring
@@ -61,8 +59,8 @@ def render_survey(spec: Spec, out: Path, emit: Emit) -> Path:
             done = block * spec.robot.frames + frame + 1
             emit(Event(stage="render", done=done, total=total, block=spec.blocks[block]))
         _deliver(job, out, block)
-    _write_text(out / "truth.json", json.dumps(truth_of(spec)))
-    _write_text(survey, survey_toml(spec))
+    write_text(out / "truth.json", json.dumps(truth_of(spec)))
+    write_text(survey, survey_toml(spec))
     shutil.rmtree(work / "frames", ignore_errors=True)
     return survey
 
@@ -78,7 +76,7 @@ class _Job:
     def scene(self) -> Scene:
         texture = self.work / "texture.png"
         painted = encode(surface_texture(self.spec.cable, self.spec.robot, self.spec.seed))
-        _write_png(texture, painted[::-1])  # Blender counts rows from the bottom
+        write_png(texture, painted[::-1])  # Blender counts rows from the bottom
         return build_scene(self.spec, texture)
 
     @cached_property
@@ -105,8 +103,8 @@ def _frame(job: _Job, out: Path, block: int, frame: int) -> None:
     if wants_depth:
         if len(shifts) > 1:
             depth = _exposure(job, block, frame, 0.0, len(shifts))[1]
-        _write_depth(depth_file, depth)
-    _write_png(picture, grey)
+        write_depth(depth_file, depth)
+    write_png(picture, grey)
 
 
 def _exposure(job: _Job, block: int, frame: int, shift: float, index: int) -> tuple[Picture, Picture]:
@@ -145,7 +143,7 @@ def _deliver(job: _Job, out: Path, block: int) -> None:
     if spec.sensor.output == Output.VIDEO and not _delivered(job, out, block):
         files = [_frame_file(job, out, block, frame) for frame in range(spec.robot.frames)]
         write_video(
-            (_read_png(file) for file in files),
+            (read_png(file) for file in files),
             out / source_name(spec, block),
             crf=spec.sensor.video_crf,
             frames_per_second=spec.sensor.frames_per_second,
@@ -175,51 +173,27 @@ def _open_folder(spec: Spec, out: Path) -> Path:
         if stamp_file.exists() and stamp_file.read_text() != stamp:
             _clear(out)
         elif not stamp_file.exists() and (out / "survey.toml").exists():
-            raise StageError("render", f"{out} holds a survey that synth did not write", "name another folder")
+            raise StageError(
+                "render", f"{out} holds a survey that synth did not write", "name another folder"
+            )
         work.mkdir(exist_ok=True)
-        _write_text(stamp_file, stamp)
+        write_text(stamp_file, stamp)
     except OSError as error:
-        raise StageError("render", f"{out} cannot be written ({error})", "name a folder you may write") from error
+        raise StageError(
+            "render", f"{out} cannot be written ({error})", "name a folder you may write"
+        ) from error
     return work
 
 
 def _clear(out: Path) -> None:
     """Remove the products of another specification, and nothing else."""
-    for file in [out / "survey.toml", out / "truth.json", *out.glob("block*.mp4"), *out.glob("depth/block*.exr")]:
+    for file in [
+        out / "survey.toml",
+        out / "truth.json",
+        *out.glob("block*.mp4"),
+        *out.glob("depth/block*.exr"),
+    ]:
         file.unlink(missing_ok=True)
     for file in out.glob("block*/[0-9][0-9][0-9][0-9].png"):
         file.unlink()
     shutil.rmtree(out / WORK)
-
-
-def _write_text(path: Path, text: str) -> None:
-    temporary = path.with_name(path.name + ".part")
-    temporary.write_text(text, encoding="utf-8")
-    temporary.replace(path)
-
-
-def _write_png(path: Path, picture: NDArray[np.uint8]) -> None:
-    """Write (height, width, 3 or 4) red, green, blue(, alpha); OpenCV wants blue first."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    code = cv2.COLOR_RGBA2BGRA if picture.shape[2] == 4 else cv2.COLOR_RGB2BGR
-    temporary = path.with_name(path.stem + ".part.png")
-    if not cv2.imwrite(str(temporary), cv2.cvtColor(picture, code), [cv2.IMWRITE_PNG_COMPRESSION, 1]):
-        raise StageError("render", f"{path} cannot be written", "check the space on the disk")
-    temporary.replace(path)
-
-
-def _read_png(path: Path) -> NDArray[np.uint8]:
-    picture = cv2.imread(str(path), cv2.IMREAD_COLOR)
-    if picture is None:
-        raise StageError("render", f"{path} cannot be read back", "delete it and start again")
-    return np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2RGB), np.uint8)
-
-
-def _write_depth(path: Path, depth: Picture) -> None:
-    """One-channel OpenEXR ``Z``: metres along the optical axis at the pixels' centres, 0 where no cable is."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(path.stem + ".part.exr")
-    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
-    with OpenEXR.File(header, {"Z": depth}) as exr:
-        exr.write(str(temporary))
-    temporary.replace(path)

@@ -1,4 +1,4 @@
-"""The Blender scene: the cable, its material, the lamps on the ring, a plain sky, render settings.  Needs bpy.
+"""The Blender scene: cable, material, the ring's lamps, a plain sky, render settings.  Needs bpy.
 
 Takes the specification and the texture file; gives a :class:`Scene` that can be posed and rendered.  Leaves
 out the order of the frames and everything after the light reached the sensor.
@@ -17,7 +17,6 @@ from synth.material import LitMaterial
 from synth.mesh import CableMesh, cable_mesh
 from synth.spec import Spec
 
-AMBIENT = 0.15
 LAMP_LIGHT = 0.062  # of one lamp at 1 m, relative to white; four of them expose a grey sheath well
 
 
@@ -41,8 +40,8 @@ def build_scene(spec: Spec, texture: Path | None) -> Scene:
     scene = bpy.context.scene
     _settings(scene, spec)
     cable = _mesh_object(cable_mesh(spec.cable, spec.robot))
-    strength = LAMP_LIGHT * spec.robot.lamp_strength
-    sheath = LitMaterial(texture, len(spec.blocks), strength, AMBIENT + spec.robot.daylight)
+    strength = LAMP_LIGHT * spec.light.lamp_strength
+    sheath = LitMaterial(texture, len(spec.blocks), strength, spec.light.daylight)
     cable.data.materials.append(sheath.material)
     scene.collection.objects.link(cable)
     _sky(scene, spec)
@@ -56,8 +55,12 @@ def lamps_in_ring(spec: Spec) -> Array:
     """
     cameras = np.radians(np.sort(np.mod(spec.angles_deg, 360.0)))
     gaps = np.mod(np.roll(cameras, -1) - cameras, 2.0 * np.pi)
-    azimuth = cameras + (gaps / 2.0 if len(cameras) > 1 else math.radians(45.0))  # half-way is behind a single one
-    return spec.robot.standoff_m * np.stack([np.cos(azimuth), np.zeros_like(azimuth), -np.sin(azimuth)], axis=1)
+    azimuth = cameras + (
+        gaps / 2.0 if len(cameras) > 1 else math.radians(45.0)
+    )  # half-way is behind a single one
+    return spec.robot.standoff_m * np.stack(
+        [np.cos(azimuth), np.zeros_like(azimuth), -np.sin(azimuth)], axis=1
+    )
 
 
 def _settings(scene: bpy.types.Scene, spec: Spec) -> None:
@@ -96,7 +99,7 @@ def _mesh_object(mesh: CableMesh) -> bpy.types.Object:
 
 
 def _sky(scene: bpy.types.Scene, spec: Spec) -> None:
-    """A smooth gradient from ground to zenith, seen by the camera; it lights the cable only by daylight."""
+    """A smooth gradient from ground to zenith, seen by the camera only."""
     world = bpy.data.worlds.new("sky")
     scene.world = world
     nodes, links = world.node_tree.nodes, world.node_tree.links
@@ -106,7 +109,9 @@ def _sky(scene: bpy.types.Scene, spec: Spec) -> None:
     ramp = nodes.new("ShaderNodeMapRange")
     ramp.inputs["From Min"].default_value, ramp.inputs["From Max"].default_value = -1.0, 1.0
     colours = nodes.new("ShaderNodeValToRGB")
-    for stop, colour in zip(colours.color_ramp.elements, ((0.10, 0.11, 0.10, 1), (0.62, 0.70, 0.80, 1)), strict=True):
+    for stop, colour in zip(
+        colours.color_ramp.elements, ((0.10, 0.11, 0.10, 1), (0.62, 0.70, 0.80, 1)), strict=True
+    ):
         stop.color = colour
     colours.color_ramp.interpolation = "EASE"
     sky = nodes.new("ShaderNodeBackground")
@@ -116,5 +121,5 @@ def _sky(scene: bpy.types.Scene, spec: Spec) -> None:
     links.new(ramp.outputs["Result"], colours.inputs["Fac"])
     links.new(colours.outputs["Color"], sky.inputs["Color"])
     links.new(sky.outputs["Background"], output.inputs["Surface"])
-    sky.inputs["Strength"].default_value = 0.5
+    sky.inputs["Strength"].default_value = spec.light.sky
     world.cycles.sampling_method = "NONE"

@@ -119,8 +119,6 @@ class Robot:
         speed_wander_mm: RMS of the ring's deviation from even travel along y; zero at first and last frame.
         mounting_deg: standard deviation of each camera's constant yaw, pitch and roll error.
         mounting_mm: standard deviation of each camera's constant displacement along the cable frame's axes.
-        lamp_strength: brightness of the lamps that travel with the ring, relative to the usual.
-        daylight: brightness of the sky's light on the cable, relative to the lamps.
     """
 
     cameras: int = 4
@@ -135,8 +133,22 @@ class Robot:
     speed_wander_mm: float = 0.0
     mounting_deg: float = 0.0
     mounting_mm: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Light:
+    """What lights the cable and what stands behind it.
+
+    Attributes:
+        lamp_strength: of the lamps that travel with the ring, one half-way between neighbouring cameras;
+            relative to the usual.
+        daylight: even light from all around, which does not travel, relative to white.
+        sky: brightness of the plain gradient behind the cable; lights nothing.
+    """
+
     lamp_strength: float = 1.0
-    daylight: float = 0.0
+    daylight: float = 0.15
+    sky: float = 0.2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -215,7 +227,7 @@ class Spec:
         name: of the survey.
         seed: of every random draw: texture, sway, mountings, noise.
         depth_frames: frames of which OpenEXR depth is written too.
-        cable, robot, lens, sensor, survey: the parts.
+        cable, robot, light, lens, sensor, survey: the parts.
     """
 
     name: str = "synthetic"
@@ -223,6 +235,7 @@ class Spec:
     depth_frames: tuple[int, ...] = ()
     cable: Cable = field(default_factory=Cable)
     robot: Robot = field(default_factory=Robot)
+    light: Light = field(default_factory=Light)
     lens: LensSpec = field(default_factory=LensSpec)
     sensor: Sensor = field(default_factory=Sensor)
     survey: SurveyClaim = field(default_factory=SurveyClaim)

@@ -14,8 +14,8 @@ from synth.spec import Cable
 def mean_radius_m(cable: Cable, y_m: Array) -> Array:
     """Radius averaged over the azimuth, without fillets.
 
-    Between stations the fifth-degree smoothstep 6 s^5 - 15 s^4 + 10 s^3: first and second derivative vanish at
-    the stations, so the profile is C2, and constant beyond the first and last one.
+    Between stations the fifth-degree smoothstep 6 s^5 - 15 s^4 + 10 s^3: first and second derivative vanish
+    at the stations, so the profile is C2, and constant beyond the first and last one.
 
     Args:
         cable: the cable.
@@ -45,7 +45,7 @@ def radius_m(cable: Cable, azimuth_rad: Array, y_m: Array) -> Array:
 
     Args:
         cable: the cable.
-        azimuth_rad, y_m: places on the surface, broadcast against each other; azimuth a is (cos a, 0, -sin a).
+        azimuth_rad, y_m: places, broadcast against each other; azimuth a is (cos a, 0, -sin a).
 
     Returns:
         Radii in metres, of the broadcast shape.
@@ -72,7 +72,9 @@ def fillet_height_m(cable: Cable, azimuth_rad: Array, y_m: Array) -> Array:
     if fillet is None:
         return np.zeros(np.shape(azimuth_rad))
     turned = azimuth_rad - math.radians(fillet.angle_deg) - 2.0 * math.pi * y_m / fillet.pitch_m
-    to_rib = (turned + math.pi / 2.0) % math.pi - math.pi / 2.0  # two ribs: the pattern repeats every half turn
+    to_rib = (
+        turned + math.pi / 2.0
+    ) % math.pi - math.pi / 2.0  # two ribs: the pattern repeats every half turn
     arc_over_width = to_rib * base_radius_m(cable) * 1000.0 / fillet.width_mm
     bump = np.cos(math.pi * np.clip(arc_over_width, -0.5, 0.5)) ** 2
     return np.asarray(fillet.height_mm / 1000.0 * bump, dtype=np.float64)
@@ -93,5 +95,5 @@ def largest_radius_m(cable: Cable) -> float:
 
 def mean_diameter_mm(cable: Cable, y_m: float, steps: int = 3600) -> float:
     """Mean over the azimuth of 2 r at one position, fillets included, in mm."""
-    azimuth = np.arange(steps) * (2.0 * math.pi / steps)
-    return float(2000.0 * radius_m(cable, azimuth, np.full(steps, y_m)).mean())
+    azimuth = np.arange(steps, dtype=np.float64) * (2.0 * math.pi / steps)
+    return float(2000.0 * radius_m(cable, azimuth, np.full(steps, y_m, np.float64)).mean())

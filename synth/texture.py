@@ -77,7 +77,7 @@ class _Layers:
         self._around = fft.rfftfreq(shape[1], texel_mm).astype(np.float32)[None, :]
 
     def noise(self, finest_mm: float, coarsest_mm: float, stretch: float = 1.0) -> Picture:
-        """Noise of unit variance with equal power per octave between two wavelengths, longer along the axis."""
+        """Noise of unit variance, equal power per octave between two wavelengths, longer along the axis."""
         frequency = np.hypot(self._along * stretch, self._around)
         low, high = 1.0 / coarsest_mm, 1.0 / finest_mm
         gain = np.where(frequency > 0.0, 1.0 / np.maximum(frequency, low), 0.0)
@@ -126,7 +126,12 @@ class _Layers:
     def specks(self) -> Picture:
         """Small round specks of several sizes, dark and light."""
         total = np.zeros(self._shape, np.float32)
-        for radius_mm, per_cm2, weight in ((0.25, 9.0, 0.8), (0.5, 2.5, 0.9), (1.0, 0.35, 0.7), (2.2, 0.04, 0.5)):
+        for radius_mm, per_cm2, weight in (
+            (0.25, 9.0, 0.8),
+            (0.5, 2.5, 0.9),
+            (1.0, 0.35, 0.7),
+            (2.2, 0.04, 0.5),
+        ):
             total += weight * self._specks_of(radius_mm, per_cm2)
         return np.clip(total, -1.0, 1.0)
 

@@ -1,8 +1,10 @@
-"""One picture: poses camera and lamps, lets Cycles trace, reads the light back, proves the lens.  Needs bpy."""
+"""One picture: poses camera and lamps, lets Cycles trace, reads the light, proves the lens.  Needs bpy."""
 
 import contextlib
 import os
+import signal
 import sys
+import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -49,8 +51,8 @@ def trace(built: Scene, moment: Moment, scratch: Path) -> tuple[Picture, Picture
         scratch: folder for the renderer's file.
 
     Returns:
-        Linear light (height, width, 3) and the depth along the optical axis (height, width) in metres, 0 where
-        the pixel's central ray misses the cable.
+        Linear light (height, width, 3) and the depth along the optical axis (height, width) in metres, 0
+        where the pixel's central ray misses the cable.
 
     Raises:
         StageError: the renderer wrote nothing, or did not trace through the lens.
@@ -63,12 +65,12 @@ def trace(built: Scene, moment: Moment, scratch: Path) -> tuple[Picture, Picture
     file = scratch / "light.exr"
     file.unlink(missing_ok=True)
     built.scene.render.filepath = str(file)
-    with _quiet_stdout():
+    with _interrupt_afterwards(), _quiet_stdout():
         bpy.ops.render.render(write_still=True)
     if not file.exists():
         raise StageError("render", f"Cycles wrote no picture of {moment.name}", "check the space on the disk")
     light, hits = _read(file)
-    check_rays(moment.lens, moment.rotation, moment.translation, hits, moment.name)
+    check_rays(moment.lens, moment.rotation, moment.translation, hits.astype(float), moment.name)
     depth = hits.astype(float) @ moment.rotation[2] + moment.translation[2]
     return light, np.where(np.any(hits != 0.0, axis=-1), depth, 0.0).astype(np.float32)
 
@@ -82,6 +84,22 @@ def _read(file: Path) -> tuple[Picture, Picture]:
                 channels[".".join(name.rsplit(".", 2)[-2:])] = channel.pixels
     light = np.stack([channels[f"Combined.{c}"] for c in "RGB"], axis=-1)
     return light, np.stack([channels[f"Position.{c}"] for c in "XYZ"], axis=-1)
+
+
+@contextlib.contextmanager
+def _interrupt_afterwards() -> Iterator[None]:
+    """Hold Ctrl-C back until the renderer is through: Cycles would swallow the KeyboardInterrupt."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # only the main thread gets signals
+        return
+    pressed: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _: pressed.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if pressed:
+        raise KeyboardInterrupt
 
 
 @contextlib.contextmanager

@@ -93,7 +93,11 @@ def survey_toml(spec: Spec) -> str:
     if claim.diameter_given:
         lines.append(f"diameter_mm = {_num(round(2000.0 * base_radius_m(spec.cable)))}")
     for station in spec.cable.station:
-        lines += ["[[cable.station]]", f"name = {_text(station.name)}", f"position_m = {_num(station.position_m)}"]
+        lines += [
+            "[[cable.station]]",
+            f"name = {_text(station.name)}",
+            f"position_m = {_num(station.position_m)}",
+        ]
     lines += ["", "[robot]", f"standoff_m = {_num(robot.standoff_m)}"]
     lines.append(f"synchronised = {str(robot.synchronised).lower()}")
     for index in range(len(spec.blocks)):

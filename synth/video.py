@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 BT709 = 1  # the number of primaries, transfer and matrix in H.264's colour description
 
 
-def write_video(frames: Iterable[NDArray[np.uint8]], path: Path, *, crf: float, frames_per_second: int) -> None:
+def write_video(
+    frames: Iterable[NDArray[np.uint8]], path: Path, *, crf: float, frames_per_second: int
+) -> None:
     """Encode a video.
 
     Args:

@@ -123,7 +123,9 @@ def solve_lens(
         return LensSolution(lens=lens, method=LensMethod.GIVEN if options.correct else LensMethod.NONE)
     found = _silhouettes(frames, lens, travel_in_image, options, scene, emit)
     fit = fit_plumb_lines(
-        _edges(found, lens, travel_in_image), _scene(frames, lens, travel_in_image, scene), options.plumb_lines
+        _edges(found, lens, travel_in_image),
+        _scene(frames, lens, travel_in_image, scene),
+        options.plumb_lines,
     )
     per_unit = (radius_unit_px(lens) / (np.hypot(lens.width_px, lens.height_px) / 2)) ** 2
     solved = replace(
@@ -156,9 +158,7 @@ def undistort_frames(
         files.append(folder / f"{file.stem}.png")
         write_png(files[-1], image, stage="lens")
     emit(Event(stage="lens", done=len(frames), total=len(frames), block=frames.block))
-    undistorted = replace(
-        frames, files=tuple(files), width_px=pinhole.width_px, height_px=pinhole.height_px
-    )
+    undistorted = replace(frames, files=tuple(files), width_px=pinhole.width_px, height_px=pinhole.height_px)
     return undistorted, pinhole
 
 
@@ -184,7 +184,9 @@ def _silhouettes(
     emit: Emit,
 ) -> dict[int, Silhouette]:
     """Outlines by frame; frames without one are passed over as long as they are few."""
-    chosen = np.unique(np.linspace(0, len(frames) - 1, min(options.most_frames, len(frames))).round().astype(int))
+    chosen = np.unique(
+        np.linspace(0, len(frames) - 1, min(options.most_frames, len(frames))).round().astype(int)
+    )
     width = None if scene.diameter_m is None else _expected_width_px(lens, scene.diameter_m, scene.standoff_m)
     found: dict[int, Silhouette] = {}
     missing: list[StageError] = []

@@ -100,7 +100,9 @@ def match_block(
     def read(frame: int) -> Gray:
         return np.asarray(cv2.imread(str(frames.files[frame]), cv2.IMREAD_GRAYSCALE), dtype=np.uint8)
 
-    tracker = Tracker(NormalisedFrames(read, options.track), pinhole, pos.poses, azimuth_deg, radius_m, options.track)
+    tracker = Tracker(
+        NormalisedFrames(read, options.track), pinhole, pos.poses, azimuth_deg, radius_m, options.track
+    )
     tracks = []
     for home in range(len(frames)):
         emit(Event(stage="match", block=frames.block, done=home, total=len(frames)))

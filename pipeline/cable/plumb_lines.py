@@ -41,6 +41,7 @@ class PlumbLineOptions:
     shape_sigma_mm: float = field(default=0.3, metadata={"above": 0.0})
     shortest_wave_m: float = field(default=0.1, metadata={"above": 0.0})
     longest_wave_m: float = field(default=0.6, metadata={"above": 0.0})
+    SLOPE: float = 1.0
     patch_mm: float = field(default=15.0, metadata={"above": 0.0})
 
 
@@ -171,11 +172,11 @@ def _shape_columns(
     period = 2 * max(float(np.ptp(place)), options.shortest_wave_m)
     first = max(int(np.ceil(period / options.longest_wave_m)), 1)
     last = max(int(period / options.shortest_wave_m), first)
-    number = np.arange(first, last + 1)
+    number = np.arange(first, last + 1.0)
     phase = tau * (place[:, None] - place.min()) / period * number
     waves = np.concatenate([np.cos(phase), np.sin(phase)], axis=1)
     # a wave with coefficients of variance v for cosine and sine has the variance v everywhere
-    share = np.tile((1 / number) / np.sum(1 / number), 2)
+    share = np.tile(number**-options.SLOPE / np.sum(number**-options.SLOPE), 2)
     px_per_mm = scene.focal_px / (scene.standoff_m * 1000 * cosine**3)
     per_mm = px_per_mm / scene.half_diagonal_px
     even, odd = options.shape_sigma_mm / 2 * per_mm, options.shape_sigma_mm * per_mm
@@ -193,19 +194,24 @@ class _Unknowns:
     shape: Array
 
     def residuals(self, values: Array) -> tuple[Array, Array]:
-        """Distances across the edge, in undistorted half-diagonals, and the Jacobian."""
-        r2 = np.sum(self.points**2, axis=1)
-        stretch = 1 / np.maximum(1 + values[0] * r2, 0.05)
-        x, y = (self.points * stretch[:, None]).T
+        """Distances across the edge in the distorted picture, half-diagonals, and the Jacobian.
+
+        The undistorted y / (1 + lambda r^2) = offset + slope x / (1 + lambda r^2) + shape, multiplied out: so
+        the noise enters once and unscaled.  (In the undistorted picture a lambda that shrinks the picture
+        would shrink the noise too, and be preferred for it: a bias of two sigma.)
+        """
+        x, y = self.points.T
+        r2 = x**2 + y**2
         offset, slope = values[1 : 1 + 2 * self.line_count].reshape(-1, 2)[self.line].T
+        height = offset + self.shape @ values[1 + 2 * self.line_count :]
+        growth = 1 + values[0] * r2
         row = np.arange(len(x))
         jacobian = np.zeros((len(x), len(values)))
-        jacobian[:, 0] = -(y - slope * x) * r2 * stretch
-        jacobian[row, 1 + 2 * self.line] = -1
+        jacobian[:, 0] = -height * r2
+        jacobian[row, 1 + 2 * self.line] = -growth
         jacobian[row, 2 + 2 * self.line] = -x
-        jacobian[:, 1 + 2 * self.line_count :] = -self.shape
-        waves = values[1 + 2 * self.line_count :]
-        return y - offset - slope * x - self.shape @ waves, jacobian
+        jacobian[:, 1 + 2 * self.line_count :] = -self.shape * growth[:, None]
+        return y - slope * x - height * growth, jacobian
 
 
 def _adjust(unknowns: _Unknowns, start: float, spread: Array) -> tuple[Array, Array, Array, float, Array]:
@@ -213,8 +219,8 @@ def _adjust(unknowns: _Unknowns, start: float, spread: Array) -> tuple[Array, Ar
     count = unknowns.line_count
     values = np.concatenate([[start], np.zeros(2 * count + len(spread))])
     prior = Prior(mean=np.zeros(len(values)), sigmas=np.concatenate([np.full(1 + 2 * count, np.inf), spread]))
-    # the noise is that of the picture: what undistortion stretches, it must not weigh more
-    weights = (1 + start * np.sum(unknowns.points**2, axis=1)) ** 2
+    weights = np.ones(len(unknowns.points))
+    values[1 : 1 + 2 * count : 2] = _mean_heights(unknowns)
     found = solve(
         "plumb line",
         unknowns.residuals,
@@ -223,8 +229,14 @@ def _adjust(unknowns: _Unknowns, start: float, spread: Array) -> tuple[Array, Ar
         options=FitOptions(loss=Loss.TUKEY, iterations=20),
         prior=prior,
     )
-    total = weights * found.robust_weights
-    return found.values, found.covariance, found.residuals, found.noise_sigma, total
+    return found.values, found.covariance, found.residuals, found.noise_sigma, found.robust_weights
+
+
+def _mean_heights(unknowns: _Unknowns) -> Array:
+    """Mean y of each edge: lambda multiplies the heights, so they must not start at zero."""
+    count = np.bincount(unknowns.line, minlength=unknowns.line_count)
+    total = np.bincount(unknowns.line, unknowns.points[:, 1], minlength=unknowns.line_count)
+    return total / np.maximum(count, 1)
 
 
 def _patches(edges: PlumbEdges, place_m: Array, options: PlumbLineOptions) -> NDArray[np.int64]:

@@ -3,9 +3,9 @@
 Takes one grey or colour image and the image direction of travel; gives the edges as points in pixels.  Two
 long smooth edges are traced through the whole picture (dynamic programming over stripes, so texture on the
 cable does not lead them astray) in brightness, colour and roughness together, since a grey cable before a
-grey sky differs in one of them only.  They are then refined column by column in the one mixture of the
-colours that tells cable from background best (Fisher's discriminant).  Leaves out what the lens does to the
-edges (:mod:`pipeline.cable.plumb_lines`).
+grey sky differs in one of them only.  They are then refined column by column in the mixture of the colours
+that tells cable from background best.  Leaves out what the lens does to the edges
+(:mod:`pipeline.cable.plumb_lines`).
 
 Inside this module the cable runs along the image's x; pictures with travel up or down are transposed.
 """
@@ -237,37 +237,58 @@ def _peaks(strength: Array, apart: int) -> list[int]:
     return [int(row) for row in rows if apart // 2 <= row < len(strength) - apart // 2]
 
 
-def _discriminant(colour: NDArray[np.float32], rows: Array, inward: int, scale: float) -> NDArray[np.float32]:
-    """The mixture (3,) of the colours in which cable and background differ most for their scatter.
+def _mixtures(
+    colour: NDArray[np.float32], rows: Array, inward: int, scale: float
+) -> list[NDArray[np.float32]]:
+    """Mixtures (3,) of the colours in which cable and background differ, best first if pixels had no blur.
 
-    R. A. Fisher, "The use of multiple measurements in taxonomic problems", Annals of Eugenics 7, 1936.
-    Scaled so that the pooled scatter of a pixel is 1 and the step into the cable is positive.
+    Fisher's discriminant (R. A. Fisher, Annals of Eugenics 7, 1936), and again with more and more scatter
+    added, which leads to the plain difference of the means; and brightness alone, since video keeps colour at
+    half the resolution.  Scaled so that the pooled scatter of a pixel is 1 and the step inwards is positive.
     """
-    height = len(colour)
     near, far = max(int(3 * scale), 2), max(int(12 * scale), 6)
-    columns = np.arange(len(rows))
     samples = []
     for side in (inward, -inward):
-        at = np.clip(rows.astype(int) + side * np.arange(near, far)[:, None], 0, height - 1)
-        samples.append(colour[at, columns].reshape(-1, 3).astype(float))
-    scatter = np.mean([np.cov(sample, rowvar=False) for sample in samples], axis=0) + 0.25 * np.eye(3)
+        at = np.clip(rows.astype(int) + side * np.arange(near, far)[:, None], 0, len(colour) - 1)
+        samples.append(colour[at, np.arange(len(rows))].reshape(-1, 3).astype(float))
+    scatter = np.mean([np.cov(sample, rowvar=False) for sample in samples], axis=0)
     difference = samples[0].mean(axis=0) - samples[1].mean(axis=0)
-    mixture = np.linalg.solve(scatter, difference)
-    return (mixture / np.sqrt(max(float(mixture @ difference), 1e-12))).astype(np.float32)
+    found = [np.linalg.solve(scatter + ridge * np.eye(3), difference) for ridge in (0.25, 25.0, 2500.0)]
+    found.append(np.array([0.114, 0.587, 0.299]))
+    sizes = [np.sqrt(max(float(mixture @ scatter @ mixture), 1e-12)) for mixture in found]
+    signs = [np.sign(mixture @ difference) or 1.0 for mixture in found]
+    return [(m * sign / size).astype(np.float32) for m, sign, size in zip(found, signs, sizes, strict=True)]
 
 
 def _refine(
     colour: NDArray[np.float32], stripe_rows: Array, inward: int, choice: SilhouetteOptions, scale: float
 ) -> tuple[Array, float]:
-    """Edge points (n, 2) to a fraction of a pixel, and their mean step in units of the scatter."""
+    """Edge points (n, 2) to a fraction of a pixel, and their mean step in units of the scatter.
+
+    Of the mixtures, the one whose points lie closest to a smooth curve is taken.
+    """
     height, width = colour.shape[:2]
-    half, reach = max(int(choice.width_px * scale) // 2, 1), max(choice.reach_px * scale, 3.0)
-    centres = np.arange(half, width - half, max(choice.step_px * scale, 1.0)).astype(int)
     stripe_centres = (np.arange(STRIPES) + 0.5) * width / STRIPES
     rows = np.interp(np.arange(width) + 0.5, stripe_centres, stripe_rows)
-    mixed = colour @ _discriminant(colour, rows, inward, scale)
-    slopes = inward * _slopes(mixed, choice.blur_px * scale)
-    averaged = cv2.blur(slopes, (2 * half + 1, 1))[:, centres]
+    margin = int(16 * scale + 6 * choice.blur_px * scale)
+    top, bottom = max(int(rows.min()) - margin, 0), min(int(rows.max()) + margin + 1, height)
+    strip = colour[top:bottom]
+    found = [
+        _edge_points(strip @ mixture, rows - top, inward, choice, scale)
+        for mixture in _mixtures(strip, rows - top, inward, scale)
+    ]
+    points, step = min(found, key=lambda item: _scatter(item[0]) * width / max(len(item[0]), 1))
+    return points + np.array([0.0, top]), step
+
+
+def _edge_points(
+    mixed: NDArray[np.float32], rows: Array, inward: int, choice: SilhouetteOptions, scale: float
+) -> tuple[Array, float]:
+    """Where the mixed colour steps most, near the traced rows (w,): points (n, 2) and their mean step."""
+    height, width = mixed.shape
+    half, reach = max(int(choice.width_px * scale) // 2, 1), max(choice.reach_px * scale, 3.0)
+    centres = np.arange(half, width - half, max(choice.step_px * scale, 1.0)).astype(int)
+    averaged = cv2.blur(inward * _slopes(mixed, choice.blur_px * scale), (2 * half + 1, 1))[:, centres]
     far = np.abs(np.arange(height)[:, None] + 0.5 - rows[centres]) > reach
     peak = np.clip(np.argmax(np.where(far, -np.inf, averaged), axis=0), 1, height - 2)
     before, at, after = (averaged[peak + d, np.arange(len(centres))] for d in (-1, 0, 1))
@@ -277,3 +298,11 @@ def _refine(
     good = (at > 0.35 * float(np.median(at))) & (at > 0) & (np.abs(np.nan_to_num(offset, nan=9.0)) <= 0.5)
     points = np.column_stack([centres + 0.5, peak + offset + 0.5])[good]
     return points, float(np.mean(at[good])) if good.any() else 0.0
+
+
+def _scatter(points: Array) -> float:
+    """Median distance from a smooth curve through the points."""
+    if len(points) < 12:
+        return np.inf
+    curve = np.polynomial.Polynomial.fit(points[:, 0], points[:, 1], 5)
+    return float(np.median(np.abs(points[:, 1] - curve(points[:, 0]))))

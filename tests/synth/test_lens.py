@@ -51,6 +51,8 @@ def test_focal_spread_has_its_standard_deviation_and_repeats_for_a_seed():
     spec = Spec(seed=3, lens=LensSpec(focal_px=700.0, focal_spread_percent=1.0))
     focals = [one.focal_px for one in block_lenses(spec)]
     assert focals == [one.focal_px for one in block_lenses(spec)]
-    many = [f for seed in range(200) for f in (x.focal_px for x in block_lenses(Spec(seed=seed, lens=spec.lens)))]
+    many = [
+        f for seed in range(200) for f in (x.focal_px for x in block_lenses(Spec(seed=seed, lens=spec.lens)))
+    ]
     assert np.std(many) == pytest.approx(7.0, rel=0.1)
     assert np.mean(many) == pytest.approx(700.0, abs=1.0)

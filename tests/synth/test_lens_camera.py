@@ -4,6 +4,9 @@ The formulas stand here once more, written for a camera square to the cylinder, 
 nor its renderer judges itself.
 """
 
+import signal
+import threading
+
 import numpy as np
 import pytest
 
@@ -58,7 +61,9 @@ def traced(request, tmp_path_factory):
 def test_the_silhouette_is_the_bent_image_of_two_straight_edges(traced):
     division_lambda, _, depth = traced
     _, slope = viewing_slopes(division_lambda)
-    edge = RADIUS_M / np.sqrt(STANDOFF_M**2 - RADIUS_M**2)  # tangent of the half angle under which the cable is seen
+    edge = RADIUS_M / np.sqrt(
+        STANDOFF_M**2 - RADIUS_M**2
+    )  # tangent of the half angle under which the cable is seen
     off_edge_px = FOCAL * (np.abs(slope) - edge)
     clear = np.abs(off_edge_px) > 0.03
     assert np.array_equal((depth > 0.0)[clear], (off_edge_px < 0.0)[clear])
@@ -124,10 +129,23 @@ def test_an_empty_view_is_an_error(tmp_path):
     turned = moment(spec)
     half_turn = np.diag([1.0, -1.0, -1.0])
     away = Moment(
-        **{**vars(turned), "rotation": half_turn @ turned.rotation, "translation": half_turn @ turned.translation}
+        **{
+            **vars(turned),
+            "rotation": half_turn @ turned.rotation,
+            "translation": half_turn @ turned.translation,
+        }
     )
     with pytest.raises(StageError, match="shows no cable"):
         trace(build_scene(spec, None), away, tmp_path)
+
+
+def test_control_c_during_a_render_is_not_lost(tmp_path):
+    spec = survey(-0.02)
+    built = build_scene(spec, None)
+    built.scene.cycles.samples = 150
+    threading.Timer(0.2, lambda: signal.raise_signal(signal.SIGINT)).start()
+    with pytest.raises(KeyboardInterrupt):
+        trace(built, moment(spec), tmp_path)
 
 
 def test_a_swaying_camera_still_meets_its_true_rays(tmp_path):

@@ -12,7 +12,9 @@ SWAYING = Robot(sway_deg=0.2, sway_mm=0.5, speed_wander_mm=0.5, travel_m=0.46, f
 
 def test_the_camera_at_90_degrees_stands_below_the_cable_and_looks_up():
     poses = block_poses(Spec(robot=Robot(travel_m=0.2, frames=3)))[1]
-    assert poses.centres == pytest.approx(np.array([[0, 0.0, -0.3], [0, 0.1, -0.3], [0, 0.2, -0.3]]), abs=1e-12)
+    assert poses.centres == pytest.approx(
+        np.array([[0, 0.0, -0.3], [0, 0.1, -0.3], [0, 0.2, -0.3]]), abs=1e-12
+    )
     x, y, z = poses.rotations[0]
     assert x == pytest.approx([0, 1, 0], abs=1e-12)  # travel runs to the right
     assert z == pytest.approx([0, 0, 1], abs=1e-12)

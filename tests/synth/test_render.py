@@ -119,7 +119,12 @@ def test_another_specification_replaces_the_survey_and_leaves_other_files_alone(
 
 
 def test_motion_blur_smears_along_the_travel_only(tmp_path):
-    sharp = replace(THUMBNAILS, sensor=replace(THUMBNAILS.sensor, full_well_e=0.0, samples=8))
+    sharp = replace(
+        THUMBNAILS,
+        depth_frames=(),
+        robot=replace(THUMBNAILS.robot, frames=2, angles_deg=(0.0,)),
+        sensor=replace(THUMBNAILS.sensor, full_well_e=0.0, samples=8),
+    )
     blurred = replace(sharp, sensor=replace(sharp.sensor, motion_blur_mm=8.0))
     contrast = []
     for name, spec in (("sharp", sharp), ("blurred", blurred)):
@@ -157,7 +162,9 @@ def test_control_c_ends_with_code_130_and_leaves_no_survey(tmp_path):
     spec, out = tmp_path / "spec.toml", tmp_path / "out"
     spec.write_text(TOML.replace("frames = 3", "frames = 300"))
     command = [sys.executable, "-m", "synth", "render", str(spec), str(out), "--events", "json"]
-    with subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, text=True, env=dict(os.environ)) as process:
+    with subprocess.Popen(
+        command, cwd=ROOT, stderr=subprocess.PIPE, text=True, env=dict(os.environ)
+    ) as process:
         for line in process.stderr:
             if line.startswith("{"):  # the first frame is there
                 break

@@ -7,7 +7,9 @@ from pipeline.core.vocabulary import Lens
 from synth.sensor import develop, falloff
 from synth.spec import Sensor
 
-LENS = Lens(width_px=200, height_px=120, focal_px=100.0, principal_point_px=(100.0, 60.0), division_lambda=0.0)
+LENS = Lens(
+    width_px=200, height_px=120, focal_px=100.0, principal_point_px=(100.0, 60.0), division_lambda=0.0
+)
 CLEAN = Sensor(full_well_e=0.0, vignetting=0.0)
 
 

@@ -17,7 +17,10 @@ def test_an_empty_specification_is_all_defaults():
 
 
 def test_values_arrive_in_their_types():
-    table = {"cable": {"diameter_mm": 95, "material": {"kind": "painted"}}, "lens": {"principal_point_px": [480, 301]}}
+    table = {
+        "cable": {"diameter_mm": 95, "material": {"kind": "painted"}},
+        "lens": {"principal_point_px": [480, 301]},
+    }
     spec = parse_spec(table)
     assert spec.cable.diameter_mm == 95.0
     assert spec.cable.material.kind is MaterialKind.PAINTED
@@ -40,7 +43,10 @@ STATIONS = {"station": [{"name": "A", "position_m": 0.1}, {"name": "A", "positio
     [
         ({"cabel": {}}, "cabel is unknown"),
         ({"cable": {"colour": 1}}, "cable.colour is unknown"),
-        ({"cable": {"station": [{"name": "A", "position_m": 0.1, "diam": 1}]}}, "cable.station[0].diam is unknown"),
+        (
+            {"cable": {"station": [{"name": "A", "position_m": 0.1, "diam": 1}]}},
+            "cable.station[0].diam is unknown",
+        ),
         ({"cable": {"station": [{"name": "A"}]}}, "cable.station[0].position_m is missing"),
         ({"cable": 5}, "cable must be a table"),
         ({"cable": STATIONS}, "cable.station has a name twice"),

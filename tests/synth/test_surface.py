@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from synth.spec import Cable, Fillet, Robot, Station
 from synth.mesh import cable_mesh
+from synth.spec import Cable, Fillet, Robot, Station
 from synth.surface import fillet_height_m, mean_diameter_mm, mean_radius_m, radius_m
 
 STEPPED = Cable(
@@ -33,7 +33,9 @@ def test_the_profile_has_no_jump_in_slope_or_curvature_at_a_station():
     y = np.array([0.1, 0.2])
     left, here, right = (mean_radius_m(STEPPED, y + d) for d in (-step, 0.0, step))
     assert (np.abs(right - left) / (2 * step)).max() < 1e-6
-    assert (np.abs(right - 2 * here + left) / step**2).max() < 0.02  # 1/m; between the stations it reaches 0.17
+    assert (
+        np.abs(right - 2 * here + left) / step**2
+    ).max() < 0.02  # 1/m; between the stations it reaches 0.17
 
 
 def test_ovality_is_the_largest_minus_the_smallest_diameter_and_leaves_the_mean():

@@ -44,7 +44,9 @@ def test_stations_carry_the_mean_diameter():
     stations = truth_of(SPEC)["stations"]
     assert [s["name"] for s in stations] == ["A", "B"]
     assert [s["diameter_mm"] for s in stations] == pytest.approx([111.4, 110.6], abs=1e-9)
-    ribbed = Spec(cable=Cable(diameter_mm=100.0, station=(Station(name="A", position_m=0.1),), fillet=Fillet()))
+    ribbed = Spec(
+        cable=Cable(diameter_mm=100.0, station=(Station(name="A", position_m=0.1),), fillet=Fillet())
+    )
     (station,) = truth_of(ribbed)["stations"]
     assert station["base_diameter_mm"] == pytest.approx(100.0)
     assert station["diameter_mm"] == pytest.approx(100.0 + 2 * 2.0 * 8.0 / (np.pi * 100.0), abs=1e-3)
@@ -74,7 +76,10 @@ def test_the_survey_claims_what_it_is_told_to_claim():
     assert survey["name"] == 'stay "7"'
     assert survey["cable"]["travel_m"] == pytest.approx(0.198)
     assert survey["cable"]["diameter_mm"] == 111.0
-    assert survey["cable"]["station"] == [{"name": "A", "position_m": 0.05}, {"name": "B", "position_m": 0.15}]
+    assert survey["cable"]["station"] == [
+        {"name": "A", "position_m": 0.05},
+        {"name": "B", "position_m": 0.15},
+    ]
     assert survey["robot"] == {"standoff_m": 0.3, "synchronised": True}
     block = survey["block"][3]
     assert (block["name"], block["source"], block["angle_deg"]) == ("Block4", "block4.mp4", 270.0)

@@ -1,0 +1,134 @@
+"""The command line: ``python -m pipeline run | evaluate | lens``; see ``--help``.
+
+Exit code 0 when the product is there, 2 for bad input (one sentence on stderr), 130 when interrupted.
+"""
+
+import argparse
+import os
+import signal
+import sys
+from pathlib import Path
+from types import FrameType
+
+# before numpy is imported: on our small matrices BLAS threads wait for each other, 5 to 1 when cores are busy
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+from pipeline.core.errors import Cancelled, StageError  # noqa: E402
+
+STAGE_NAMES = "frames lens pos match adjust dense surface texture crop mosaic ring measure report".split()
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Parse the command line, do what it says, and give the exit code."""
+    signal.signal(signal.SIGTERM, _interrupt)
+    chosen = _parser().parse_args(arguments)
+    try:
+        status: int = chosen.act(chosen)
+    except StageError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    except (KeyboardInterrupt, Cancelled):
+        print("\ninterrupted; what is finished is kept, start again to go on", file=sys.stderr)
+        return 130
+    except BrokenPipeError:  # the reader of our output has gone: nothing is wrong here
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    return status
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    raise KeyboardInterrupt
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m pipeline", description="Measure a cable from its videos."
+    )
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    run = commands.add_parser("run", help="the whole chain, from a survey to a measured model; resumes")
+    run.add_argument("survey", type=Path, help="survey.toml")
+    run.add_argument("--out", type=Path, required=True, help="the run folder")
+    run.add_argument("--truth", type=Path, help="truth.json: the report then compares with it")
+    stages = run.add_mutually_exclusive_group()
+    stages.add_argument(
+        "--only", metavar="STAGE", choices=STAGE_NAMES, help="make this stage again, no other"
+    )
+    stages.add_argument(
+        "--from",
+        dest="start",
+        metavar="STAGE",
+        choices=STAGE_NAMES,
+        help="make this stage and all after it again",
+    )
+    run.add_argument(
+        "--pairs", type=Path, help="CSV of corresponding points chosen by hand, see docs/outputs.md"
+    )
+    run.add_argument(
+        "--set", action="append", default=[], metavar="STAGE.KEY=VALUE", help="set an option; may be repeated"
+    )
+    run.add_argument(
+        "--no-lens-correction", action="store_true", help="leave the lens uncorrected, to see the bent model"
+    )
+    run.add_argument("--language", choices=("en", "zh"), default="en", help="of the report when it opens")
+    run.add_argument("--events", choices=("bar", "json", "none"), default="bar", help="progress on stderr")
+    run.set_defaults(act=_run)
+
+    evaluate = commands.add_parser("evaluate", help="compare a run with what is true")
+    evaluate.add_argument("run", type=Path, help="the run folder")
+    evaluate.add_argument("--truth", type=Path, required=True, help="truth.json")
+    evaluate.add_argument("--json", type=Path, help="write all figures there as well")
+    evaluate.set_defaults(act=_evaluate)
+
+    lens = commands.add_parser("lens", help="calibrate a lens from pictures of a chessboard")
+    lens.add_argument("folder", type=Path, help="folder of pictures")
+    lens.add_argument("--chessboard", required=True, metavar="9x6", help="inner corners of the board")
+    lens.add_argument(
+        "--square-mm", type=float, default=1.0, help="side of a square; only poses depend on it"
+    )
+    lens.set_defaults(act=_lens)
+    return parser
+
+
+def _run(chosen: argparse.Namespace) -> int:
+    # imported here, so that --help and refusals answer at once
+    from pipeline.cable.survey import read_survey
+    from pipeline.console import emitter
+    from pipeline.product import make_product
+
+    survey = read_survey(chosen.survey)
+    assignments = (*chosen.set, *(("lens.correct=false",) if chosen.no_lens_correction else ()))
+    summary = make_product(
+        survey,
+        chosen.out,
+        emitter(chosen.events, tuple(b.name for b in survey.blocks)),
+        assignments=assignments,
+        start=chosen.start,
+        only=chosen.only,
+        pairs=chosen.pairs,
+        truth=chosen.truth,
+        language=chosen.language,
+    )
+    print(summary)
+    return 0
+
+
+def _evaluate(chosen: argparse.Namespace) -> int:
+    from pipeline.evaluate import evaluate, write_evaluation
+    from pipeline.evaluate.table import format_table
+
+    found = evaluate(chosen.run, chosen.truth)
+    print(format_table(found))
+    if chosen.json:
+        write_evaluation(found, chosen.json)
+    return 0
+
+
+def _lens(chosen: argparse.Namespace) -> int:
+    from pipeline.cable.chessboard import calibrate_chessboard, survey_lines
+
+    print(survey_lines(calibrate_chessboard(chosen.folder, chosen.chessboard, chosen.square_mm)))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

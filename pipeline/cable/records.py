@@ -1,0 +1,80 @@
+"""What goes into a run and what comes out: the options of every stage, and everything that was found."""
+
+from dataclasses import dataclass, field
+
+from pipeline.cable.adjust import AdjustOptions, Orientation
+from pipeline.cable.crop import Crop, CropOptions
+from pipeline.cable.dense import DenseOptions, RadiusMap
+from pipeline.cable.frames import FrameOptions
+from pipeline.cable.lens import LensOptions, LensSolution
+from pipeline.cable.match import MatchOptions, TiePoints
+from pipeline.cable.measure import Measurement, MeasureOptions
+from pipeline.cable.mosaic import Mosaic, MosaicOptions
+from pipeline.cable.pos import PosOptions
+from pipeline.cable.ring import Ring, RingOptions
+from pipeline.cable.surface import BlockSurface, SurfaceOptions
+from pipeline.cable.survey import Block, Survey
+from pipeline.cable.texture import TextureOptions, UnrolledPicture
+from pipeline.core.vocabulary import FrameSequence, Lens, PosPriors
+
+
+@dataclass(frozen=True, kw_only=True)
+class CableOptions:
+    """The options of every stage; ``[options.STAGE]`` in survey.toml, ``--set STAGE.key=value``."""
+
+    frames: FrameOptions = field(default_factory=FrameOptions)
+    lens: LensOptions = field(default_factory=LensOptions)
+    pos: PosOptions = field(default_factory=PosOptions)
+    match: MatchOptions = field(default_factory=MatchOptions)
+    adjust: AdjustOptions = field(default_factory=AdjustOptions)
+    dense: DenseOptions = field(default_factory=DenseOptions)
+    surface: SurfaceOptions = field(default_factory=SurfaceOptions)
+    texture: TextureOptions = field(default_factory=TextureOptions)
+    crop: CropOptions = field(default_factory=CropOptions)
+    mosaic: MosaicOptions = field(default_factory=MosaicOptions)
+    ring: RingOptions = field(default_factory=RingOptions)
+    measure: MeasureOptions = field(default_factory=MeasureOptions)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurveyFrames:
+    """The frames of all blocks."""
+
+    sequences: tuple[FrameSequence, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class BlockLens:
+    """A block's lens, its undistorted frames and their pinhole lens."""
+
+    solution: LensSolution
+    undistorted: FrameSequence
+    pinhole: Lens
+
+
+@dataclass(frozen=True, kw_only=True)
+class BlockRun:
+    """Everything the pipeline found about one block."""
+
+    block: Block
+    frames: FrameSequence
+    lens: BlockLens
+    pos: PosPriors
+    tie_points: TiePoints
+    orientation: Orientation
+    dense: RadiusMap
+    surface: BlockSurface
+    picture: UnrolledPicture
+    crop: Crop
+
+
+@dataclass(frozen=True, kw_only=True)
+class CableRun:
+    """Everything the pipeline found."""
+
+    survey: Survey
+    options: CableOptions
+    blocks: tuple[BlockRun, ...]
+    mosaic: Mosaic
+    ring: Ring
+    measurement: Measurement

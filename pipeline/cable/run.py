@@ -1,0 +1,69 @@
+"""The order of the cable pipeline, and no algorithm.
+
+survey -> frames -> for each block (lens, pos, match, adjust, dense, surface, texture, crop) -> mosaic -> ring
+-> measure.  Every arrow is a product in the run folder, wired in :mod:`pipeline.cable.chain`; see
+:mod:`pipeline.core.runfolder` for what is kept and what is made again.
+"""
+
+from pathlib import Path
+
+from pipeline.cable.chain import Chain
+from pipeline.cable.records import CableOptions, CableRun
+from pipeline.cable.survey import Survey
+from pipeline.core.events import Emit
+from pipeline.core.options import build, override
+from pipeline.core.runfolder import RunFolder
+
+STAGES = (
+    "frames",
+    "lens",
+    "pos",
+    "match",
+    "adjust",
+    "dense",
+    "surface",
+    "texture",
+    "crop",
+    "mosaic",
+    "ring",
+    "measure",
+)
+
+
+def bind_options(survey: Survey, assignments: tuple[str, ...] = ()) -> CableOptions:
+    """The effective options: defaults, then the survey's ``[options]``, then ``--set`` words.
+
+    Raises:
+        StageError: an unknown stage or key, or a value that does not fit.
+    """
+    options = build(CableOptions, dict(survey.options), key="options")
+    for assignment in assignments:
+        options = override(options, assignment)
+    return options
+
+
+def run_cable(
+    survey: Survey,
+    options: CableOptions,
+    run: RunFolder,
+    emit: Emit,
+    pairs: Path | None = None,
+    last: str = STAGES[-1],
+) -> CableRun | None:
+    """Run the stages in order, up to ``last``.
+
+    Args:
+        survey: what to work on.
+        options: of every stage.
+        run: where products are kept.
+        emit: progress; may raise Cancelled.
+        pairs: file of corresponding points chosen by hand, or None to find them.
+        last: stop after this stage.
+
+    Returns:
+        Everything found, or None where ``last`` comes before the end.
+    """
+    chain = Chain(survey, options, run, emit)
+    for name in STAGES[: STAGES.index(last) + 1]:
+        chain.run(name, pairs)
+    return chain.result() if last == STAGES[-1] else None

@@ -1,0 +1,93 @@
+"""Progress for people and for programs, on stderr: a bar with the time left, or one JSON event a line."""
+
+import json
+import sys
+import time
+from dataclasses import asdict
+from typing import TextIO
+
+from pipeline.core.events import Emit, Event, silent
+
+# rough share of each stage in a run, from timings of the demo survey; only the time left hangs on it
+SHARES = {
+    "frames": 10.0,
+    "lens": 8.0,
+    "pos": 0.1,
+    "match": 20.0,
+    "adjust": 25.0,
+    "dense": 15.0,
+    "surface": 1.0,
+    "texture": 6.0,
+    "crop": 0.2,
+    "mosaic": 2.0,
+    "ring": 3.0,
+    "measure": 3.0,
+    "report": 10.0,
+}
+REDRAW_S = 0.1
+BAR = 28
+
+
+def emitter(style: str, blocks: tuple[str, ...]) -> Emit:
+    """The progress of a run: "bar", "json" or "none".
+
+    Args:
+        style: how to tell.
+        blocks: names of the survey's blocks, in order: block-by-block stages count them.
+    """
+    if style == "json":
+        return _json_lines
+    if style == "none":
+        return silent
+    return _Bar(sys.stderr, blocks)
+
+
+def _json_lines(event: Event) -> None:
+    sys.stderr.write(json.dumps(asdict(event), ensure_ascii=False) + "\n")
+    sys.stderr.flush()
+
+
+class _Bar:
+    """One line a stage; on a terminal it moves."""
+
+    def __init__(self, stream: TextIO, blocks: tuple[str, ...]) -> None:
+        self._stream, self._blocks = stream, blocks
+        self._began = self._drawn = time.monotonic()
+        self._first_share: float | None = None
+        self._stage_began: dict[str, float] = {}
+
+    def __call__(self, event: Event) -> None:
+        now = time.monotonic()
+        self._stage_began.setdefault(event.stage, now)
+        whole = event.done >= event.total and (not event.block or event.block == self._blocks[-1])
+        finished = whole and not event.block
+        if self._stream.isatty() and (finished or now - self._drawn > REDRAW_S):
+            self._draw(event, now, end="\n" if finished else "")
+            self._drawn = now
+        elif finished:
+            seconds = now - self._stage_began[event.stage]
+            self._stream.write(f"{event.stage:8s} {seconds:6.1f} s\n")
+        self._stream.flush()
+
+    def _draw(self, event: Event, now: float, end: str) -> None:
+        part = event.done / max(event.total, 1)
+        if event.block and len(self._blocks):
+            part = (self._blocks.index(event.block) + part) / len(self._blocks)
+        filled = round(BAR * part)
+        left = self._left(event.stage, part, now)
+        bar = "█" * filled + "░" * (BAR - filled)
+        self._stream.write(f"\r\x1b[K{event.stage:8s} {bar} {event.block:10s} {left}{end}")
+
+    def _left(self, stage: str, part: float, now: float) -> str:
+        """Time left, once enough has passed to tell; finished stages of a resumed run do not count."""
+        names = list(SHARES)
+        if stage not in SHARES:
+            return ""
+        done = sum(SHARES[n] for n in names[: names.index(stage)]) + part * SHARES[stage]
+        if self._first_share is None:
+            self._first_share = done
+        passed, made = now - self._began, done - self._first_share
+        if passed < 2 or made <= 0:
+            return ""
+        seconds = passed / made * (sum(SHARES.values()) - done)
+        return f"about {int(seconds // 60)}:{int(seconds % 60):02d} left"

@@ -1,0 +1,225 @@
+"""From a finished run to what the report tells: every figure is picked up here, none is computed twice.
+
+Takes a :class:`~pipeline.cable.records.CableRun`; gives :class:`~pipeline.report.types.ReportData`.
+"""
+
+from collections.abc import Mapping
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.cable.lens_pictures import before_after_picture, distortion_grid_picture
+from pipeline.cable.measure import Section
+from pipeline.cable.records import BlockRun, CableRun
+from pipeline.core.fits.cylinder import Cylinder, fit_cylinder
+from pipeline.core.vocabulary import Array
+from pipeline.report.model import ring_mesh
+from pipeline.report.types import (
+    AxisSummary,
+    BlockSummary,
+    DiameterProfile,
+    LensEffect,
+    LensPictures,
+    MosaicJoint,
+    MosaicSummary,
+    ReportData,
+    StationResult,
+    TruthStation,
+    UnrolledPicture,
+)
+
+EFFECT_POINTS = 4000
+
+
+def collect(
+    run: CableRun,
+    truth: tuple[TruthStation, ...],
+    timing_s: Mapping[str, float],
+    peak_memory_mb: float,
+) -> ReportData:
+    """Gather everything that the report shows."""
+    ring, measurement = run.ring, run.measurement
+    return ReportData(
+        name=run.survey.name,
+        length_m=run.survey.cable.travel_m,
+        blocks=tuple(_block(b) for b in run.blocks),
+        stations=tuple(_station(s) for s in measurement.sections),
+        truth=truth,
+        lens_pictures=(_lens_pictures(run.blocks[0]),),
+        lens_effects=tuple(e for b in run.blocks if (e := _lens_effect(b)) is not None),
+        unrolled=_unrolled(ring.picture, ring.texel_mm, ring.picture_azimuth, ring.picture_y_m),
+        block_unrolled=tuple(_block_picture(b) for b in run.blocks),
+        profile=DiameterProfile(
+            position_m=measurement.profile_y_m,
+            diameter_mm=measurement.profile_diameter_mm,
+            sigma_mm=measurement.profile_sigma_mm,
+        ),
+        axis=_axis(run),
+        mosaic=_mosaic(run),
+        mesh=ring_mesh(ring),
+        timing_s=timing_s,
+        peak_memory_mb=peak_memory_mb,
+        warnings=tuple(_warnings(run)),
+    )
+
+
+def _block(run: BlockRun) -> BlockSummary:
+    orientation, lens = run.orientation, run.lens.solution
+    along_m, around_m = run.surface.cell_m
+    return BlockSummary(
+        name=run.block.name,
+        images=len(run.frames),
+        calibrated=int(orientation.calibrated.sum()),
+        keypoints_per_image=float(orientation.keypoints.mean()),
+        reprojection_px=orientation.reprojection_px,
+        focal_px=lens.lens.focal_px,
+        division_lambda=lens.lens.division_lambda,
+        lambda_radius=lens.lens.lambda_radius,
+        lambda_sigma=lens.lens.lambda_sigma,
+        lens_method=lens.method.value,
+        coverage_m2=float(run.crop.keep.sum() * along_m * around_m),
+        resolution_mm=run.dense.ground_sample_mm,
+        angle_deg=run.block.angle_deg,
+    )
+
+
+def _station(section: Section) -> StationResult:
+    return StationResult(
+        name=section.name,
+        position_m=section.position_m,
+        diameter_mm=section.diameter_mm,
+        sigma_mm=section.sigma_mm,
+        min_mm=section.min_mm,
+        max_mm=section.max_mm,
+        coverage_deg=section.coverage_deg,
+        section_mm=section.points_mm,
+        circle_centre_mm=(float(section.centre_mm[0]), float(section.centre_mm[1])),
+        circle_radius_mm=section.diameter_mm / 2,
+    )
+
+
+def _lens_pictures(run: BlockRun) -> LensPictures:
+    lens = run.lens.solution.lens
+    frame = cv2.imread(str(run.frames.files[len(run.frames) // 2]), cv2.IMREAD_COLOR)
+    before, after = before_after_picture(np.asarray(frame, dtype=np.uint8), lens)
+    return LensPictures(
+        block=run.block.name, grid=_rgb(distortion_grid_picture(lens)), before=_rgb(before), after=_rgb(after)
+    )
+
+
+def _lens_effect(run: BlockRun) -> LensEffect | None:
+    """Cylinders through the same tie points, adjusted without and with the lens correction."""
+    effect = run.orientation.lens_effect
+    if effect is None:
+        return None
+    step = max(len(run.orientation.points) // EFFECT_POINTS, 1)
+    before, after = effect.points_uncorrected[::step], run.orientation.points[::step]
+    bent, straight = _cylinder(before), _cylinder(after)
+    return LensEffect(
+        block=run.block.name,
+        diameter_uncorrected_mm=2000 * bent.radius,
+        diameter_corrected_mm=2000 * straight.radius,
+        residual_uncorrected_mm=_rms_mm(bent, before),
+        residual_corrected_mm=_rms_mm(straight, after),
+        bow_uncorrected_mm=_bow_mm(before),
+        bow_corrected_mm=_bow_mm(after),
+        points_uncorrected_mm=1000 * before,
+        points_corrected_mm=1000 * after,
+    )
+
+
+def _cylinder(points: Array) -> Cylinder:
+    return fit_cylinder(points, direction=(0.0, 1.0, 0.0))
+
+
+def _rms_mm(cylinder: Cylinder, points: Array) -> float:
+    return 1000 * float(np.sqrt(np.mean(cylinder.distances(points) ** 2)))
+
+
+def _bow_mm(points: Array) -> float:
+    """Sagitta of the axis over the length of the block."""
+    bow = fit_cylinder(points, direction=(0.0, 1.0, 0.0), bowed=True).bow
+    half_m = float(np.ptp(points[:, 1])) / 2
+    return 1000 * float(np.linalg.norm(bow)) * half_m**2
+
+
+def _block_picture(run: BlockRun) -> UnrolledPicture:
+    picture = run.picture
+    return _unrolled(picture.colour, picture.texel_mm, picture.azimuth, picture.y_m, run.block.name)
+
+
+def _unrolled(
+    colour: NDArray[np.uint8], texel_mm: float, azimuth: Array, y_m: Array, name: str = ""
+) -> UnrolledPicture:
+    """The picture with the places of its edges, half a texel beyond the centres of the outermost texels."""
+    turn, rise = (azimuth[1] - azimuth[0]) / 2, (y_m[1] - y_m[0]) / 2
+    return UnrolledPicture(
+        image=_rgb(colour),
+        mm_per_px=texel_mm,
+        theta_range_deg=(float(np.rad2deg(azimuth[0] - turn)), float(np.rad2deg(azimuth[-1] + turn))),
+        y_range_m=(float(y_m[0] - rise), float(y_m[-1] + rise)),
+        name=name,
+    )
+
+
+def _axis(run: CableRun) -> AxisSummary:
+    measurement = run.measurement
+    good = np.isfinite(measurement.profile_centre_mm[:, 0])
+    y_m, centres = measurement.profile_y_m[good], measurement.profile_centre_mm[good]
+    if len(y_m) < 2:
+        return AxisSummary(straightness_mm_per_m=float("nan"), position_m=y_m, bow_mm=centres)
+    part = ((y_m - y_m[0]) / (y_m[-1] - y_m[0]))[:, None]
+    chord = centres[0] * (1 - part) + centres[-1] * part
+    return AxisSummary(
+        straightness_mm_per_m=measurement.straightness_mm_per_m, position_m=y_m, bow_mm=centres - chord
+    )
+
+
+def _mosaic(run: CableRun) -> MosaicSummary:
+    names = [b.block.name for b in run.blocks]
+    joins = run.mosaic.joins
+    return MosaicSummary(
+        joints=tuple(
+            MosaicJoint(
+                first=names[j.first],
+                second=names[j.second],
+                pairs=j.pairs,
+                residual_mm=float(np.sqrt(np.sum(j.residual_mm**2))),
+            )
+            for j in joins
+        ),
+        scale_corrections={n: float(s) for n, s in zip(names, run.mosaic.placement.scales, strict=True)},
+        tie_points=sum(j.pairs for j in joins),
+    )
+
+
+def _warnings(run: CableRun) -> list[str]:
+    """What the reader must know before trusting the figures."""
+    said = []
+    if run.measurement.unmeasured:
+        said.append(
+            f"Too little of the surface was seen at {', '.join(run.measurement.unmeasured)}: not measured."
+        )
+    if not run.options.lens.correct:
+        said.append("The lens correction was switched off on purpose: the model is bent.")
+    for block in run.blocks:
+        if not block.block.lens_spec.calibrated:
+            said.append(
+                f"The focal length of {block.block.name} is a starting value that the adjustment holds: an "
+                "error of 1 % in it changes the diameter by about 0.5 %; calibrate the lens."
+            )
+        if not block.orientation.calibrated.all():
+            missing = int((~block.orientation.calibrated).sum())
+            said.append(f"{missing} frames of {block.block.name} could not be calibrated.")
+    joined = {n for j in run.mosaic.joins for n in (j.first, j.second)}
+    said.extend(
+        f"{b.block.name} shares no marks with its neighbours and stands where the POS put it."
+        for n, b in enumerate(run.blocks)
+        if n not in joined and len(run.blocks) > 1
+    )
+    return said
+
+
+def _rgb(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    return np.ascontiguousarray(image[..., ::-1])

@@ -13,9 +13,12 @@ from types import FrameType
 # before numpy is imported: on our small matrices BLAS threads wait for each other, 5 to 1 when cores are busy
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from pipeline.core.errors import Cancelled, StageError  # noqa: E402
+from pipeline.core.errors import Cancelled, StageError
 
-STAGE_NAMES = "frames lens pos match adjust dense surface texture crop mosaic ring measure report".split()
+STAGE_NAMES = (
+    *("frames", "lens", "pos", "match", "adjust", "dense", "surface", "texture", "crop"),
+    *("mosaic", "ring", "measure", "report"),
+)
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -28,6 +28,7 @@ from pipeline.report.exports import (
     write_report_json,
     write_unrolled_png,
 )
+from pipeline.report.labels import Language
 from pipeline.report.metrics import compare_with_truth, mean_absolute_error_mm
 from pipeline.report.model import ring_cloud
 from pipeline.report.page import PageOptions, write_report_html
@@ -44,7 +45,7 @@ def make_product(
     only: str | None = None,
     pairs: Path | None = None,
     truth: Path | None = None,
-    language: str = "en",
+    language: Language = "en",
 ) -> str:
     """Run the pipeline and write the product.
 
@@ -80,7 +81,7 @@ def make_product(
 
 
 def _write(
-    found: CableRun, folder: RunFolder, truth: tuple[TruthStation, ...], language: str, emit: Emit
+    found: CableRun, folder: RunFolder, truth: tuple[TruthStation, ...], language: Language, emit: Emit
 ) -> ReportData:
     """Everything a person opens; report.json last, so that it stands for a whole product."""
     began, out = time.monotonic(), folder.path

@@ -5,6 +5,7 @@ Resumes: frames that an interrupted run left are kept as long as specification a
 
 import hashlib
 import json
+import math
 import shutil
 from dataclasses import dataclass
 from functools import cached_property
@@ -113,6 +114,7 @@ def _exposure(job: _Job, block: int, frame: int, shift: float, index: int) -> tu
     run = 0 if spec.robot.synchronised else block
     moment = np.array([(frame + shift) / (spec.robot.frames - 1)])
     rotation, origin = ring_motion(spec, moment, run)
+    samples = math.ceil(spec.sensor.samples / len(_shutter(spec)))
     name = f"{spec.blocks[block]} frame {frame}"
     seed = int(np.random.SeedSequence([spec.seed, 61, block, frame, index]).generate_state(1)[0] >> 1)
     return trace(
@@ -123,6 +125,7 @@ def _exposure(job: _Job, block: int, frame: int, shift: float, index: int) -> tu
             translation=poses.translations[frame],
             lamps_in_world=lamps_in_ring(spec) @ rotation[0].T + origin[0],
             seed=seed,
+            samples=samples,
             name=name,
         ),
         job.work,

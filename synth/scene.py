@@ -75,7 +75,6 @@ def _settings(scene: bpy.types.Scene, spec: Spec) -> None:
     render.image_settings.color_depth = "32"
     render.image_settings.exr_codec = "NONE"
     cycles.device = "CPU"
-    cycles.samples = spec.sensor.samples
     cycles.use_adaptive_sampling = False
     cycles.use_denoising = False  # it would smear the texture that matching lives on
     cycles.max_bounces = 0

@@ -181,7 +181,7 @@ class Sensor:
         read_noise_e: standard deviation of the read-out, electrons.
         vignetting: loss of light in the image corner, 0 to 1.
         motion_blur_mm: path of the ring while the shutter is open, centred on the moment of the frame.
-        samples: rays per pixel.
+        samples: rays per pixel; with motion blur shared out over 8 moments of the open shutter.
         output: video or images.
         video_crf: H.264 quality, 0 (lossless) to 51; lower is better.
         frames_per_second: of the video.

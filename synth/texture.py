@@ -17,7 +17,7 @@ from synth.surface import base_radius_m
 
 Picture = NDArray[np.float32]
 
-BASE_ALBEDO = {MaterialKind.HDPE: (0.30, 0.305, 0.30), MaterialKind.PAINTED: (0.52, 0.53, 0.50)}
+BASE_ALBEDO = {MaterialKind.HDPE: (0.30, 0.305, 0.30), MaterialKind.PAINTED: (0.44, 0.45, 0.42)}
 BASE_ROUGHNESS = {MaterialKind.HDPE: 0.62, MaterialKind.PAINTED: 0.45}
 SOOT_TINT = (0.92, 1.0, 1.12)  # dirt swallows blue most
 

@@ -31,6 +31,7 @@ class Moment:
         rotation, translation: true cam_from_world, (3, 3) and (3,).
         lamps_in_world: (lamps, 3) metres.
         seed: of the rays within the pixels; another one every frame, or their noise would stand still.
+        samples: rays per pixel.
         name: for messages.
     """
 
@@ -39,6 +40,7 @@ class Moment:
     translation: Array
     lamps_in_world: Array
     seed: int
+    samples: int
     name: str
 
 
@@ -61,7 +63,8 @@ def trace(built: Scene, moment: Moment, scratch: Path) -> tuple[Picture, Picture
     built.camera.matrix_world = camera_matrix(moment.rotation, moment.translation)
     built.sheath.place_lamps(moment.lamps_in_world)
     built.scene.cycles.seed = moment.seed
-    built.scene.update_tag()  # with persistent data Cycles would not see the seed otherwise
+    built.scene.cycles.samples = moment.samples
+    built.scene.update_tag()  # with persistent data Cycles would not see seed and samples otherwise
     file = scratch / "light.exr"
     file.unlink(missing_ok=True)
     built.scene.render.filepath = str(file)

@@ -193,6 +193,7 @@ class Chain:
                 block.angle_deg,
                 self._options.dense,
                 self._emit,
+                self._folder.block(block.name) / "patch_match",
             ),
             *self._needs(n, "frames", "adjust"),
             block.angle_deg,

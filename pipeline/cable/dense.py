@@ -6,12 +6,15 @@ around the coarse surface.  Leaves out meshing (surface) and colour (texture).
 """
 
 from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cable.adjust import Orientation
+from pipeline.cable.patch_match import match_patches
 from pipeline.cable.sweep import FrameReader, Image, SweepGrid, SweepResult, sweep_strip
 from pipeline.core.axis import AxisCurve, axis_of_cylinder
 from pipeline.core.errors import StageError
@@ -20,11 +23,19 @@ from pipeline.core.fits.cylinder import Cylinder, fit_cylinder
 from pipeline.core.vocabulary import Array, FrameSequence
 
 
+class DenseMethod(StrEnum):
+    """Who matches densely."""
+
+    SWEEP = "sweep"
+    PATCH_MATCH = "patch-match"
+
+
 @dataclass(frozen=True, kw_only=True)
 class DenseOptions:
     """How the surface is swept.
 
     Attributes:
+        method: "sweep", our own on the CPU; "patch-match", COLMAP's, where it was built with CUDA.
         cell_mm: side of a cell; 0 takes the ground sample distance.
         coarse: coarse cells are so many fine cells wide.
         limb_deg: cells further than this from the camera's azimuth are not swept: there the outline begins.
@@ -36,6 +47,7 @@ class DenseOptions:
         consistency_mm: cells whose two half-results differ by more are masked.
     """
 
+    method: DenseMethod = DenseMethod.SWEEP
     cell_mm: float = 0.0
     coarse: int = 4
     limb_deg: float = 60.0
@@ -73,9 +85,14 @@ class RadiusMap:
 
 
 def sweep_block(
-    frames: FrameSequence, orientation: Orientation, azimuth_deg: float, options: DenseOptions, emit: Emit
+    frames: FrameSequence,
+    orientation: Orientation,
+    azimuth_deg: float,
+    options: DenseOptions,
+    emit: Emit,
+    scratch: Path,
 ) -> RadiusMap:
-    """Sweep one block.
+    """Match one block densely.
 
     Args:
         frames: original frames.
@@ -83,13 +100,20 @@ def sweep_block(
         azimuth_deg: place of its camera around the axis.
         options: see there.
         emit: progress, one event a strip.
+        scratch: folder for COLMAP's intermediate files; only patch matching uses it, and removes it.
 
     Raises:
-        StageError: next to nothing of the surface could be matched.
+        StageError: patch matching was asked for and cannot be had, or next to nothing of the surface could
+        be matched.
     """
     cylinder = fit_cylinder(orientation.points, direction=(0.0, 1.0, 0.0))
     ground_mm = _ground_sample_mm(orientation, cylinder)
     cell_mm = options.cell_mm or ground_mm
+    if options.method is DenseMethod.PATCH_MATCH:
+        grid = _grid(orientation, cylinder, azimuth_deg, cell_mm, options)
+        return _mask(
+            match_patches(frames, orientation, grid, scratch, emit), grid, ground_mm, frames.block, options
+        )
     coarse_grid = _grid(orientation, cylinder, azimuth_deg, cell_mm * options.coarse, options)
     step_mm = _step_mm(options, cell_mm * options.coarse)
     search_mm = np.arange(-options.search_mm, options.search_mm + 1e-9, step_mm)

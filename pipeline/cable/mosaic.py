@@ -9,9 +9,9 @@ neighbours, the last and the first included, are fitted at once, so the ring clo
 from dataclasses import dataclass, field
 from itertools import combinations
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import map_coordinates
 
 from pipeline.cable.closest_fit import PARAMETERS, Fit, Placement, Tie, fit_pieces
 from pipeline.cable.surface import BlockSurface, smoothed
@@ -172,15 +172,8 @@ def lookup(surface: BlockSurface, values: NDArray[np.floating], azimuth: Array, 
     turned = middle + np.angle(np.exp(1j * (azimuth - middle)))
     column = (turned - surface.azimuth[0]) / (surface.azimuth[1] - surface.azimuth[0])
     row = (y_m - surface.y_m[0]) / (surface.y_m[1] - surface.y_m[0])
-    found = cv2.remap(
-        values.astype(np.float32),
-        column.astype(np.float32)[None],
-        row.astype(np.float32)[None],
-        cv2.INTER_LINEAR,
-        borderMode=cv2.BORDER_CONSTANT,
-        borderValue=float("nan"),
-    )
-    return np.asarray(found[0], dtype=np.float64)
+    places = np.stack([row, column])
+    return map_coordinates(values.astype(np.float64), places, order=1, cval=np.nan)
 
 
 def _best_pair(pairs: PointPairs, placement: Placement, options: MosaicOptions) -> PointPairs:

@@ -19,6 +19,7 @@ import numpy as np
 from pipeline.core.files import replacing
 
 _META = "product"
+_ARRAY, _INSIDE = "$array", "$inside"
 
 
 def save(value: object, path: Path, root: Path) -> None:
@@ -62,14 +63,14 @@ def _encode(value: object, arrays: dict[str, np.ndarray[Any, Any]], root: Path |
     if isinstance(value, np.ndarray):
         key = f"a{len(arrays)}"
         arrays[key] = value
-        return {"$array": key}
+        return {_ARRAY: key}
     if isinstance(value, Enum):
         return value.value
     if isinstance(value, np.generic):
         return value.item()
     if isinstance(value, Path):
         if root is not None and value.is_relative_to(root):
-            return {"$inside": value.relative_to(root).as_posix()}
+            return {_INSIDE: value.relative_to(root).as_posix()}
         return value.as_posix()
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return {f.name: _encode(getattr(value, f.name), arrays, root) for f in dataclasses.fields(value)}
@@ -83,19 +84,19 @@ def _encode(value: object, arrays: dict[str, np.ndarray[Any, Any]], root: Path |
 
 
 def _decode(kind: Any, tree: Any, archive: Any, root: Path) -> Any:  # noqa: ANN401 - types are data here
+    if isinstance(tree, dict) and _ARRAY in tree:
+        return archive[tree[_ARRAY]]
     origin, arguments = typing.get_origin(kind), typing.get_args(kind)
     if origin in (types.UnionType, typing.Union):
         chosen = next(a for a in arguments if a is not type(None))
         return None if tree is None else _decode(chosen, tree, archive, root)
-    if origin is np.ndarray:
-        return archive[tree["$array"]]
     if origin is tuple:
         kinds = [arguments[0]] * len(tree) if arguments[-1] is ... else arguments
         return tuple(_decode(k, item, archive, root) for k, item in zip(kinds, tree, strict=True))
     if origin is dict:
         return {key: _decode(arguments[1], item, archive, root) for key, item in tree.items()}
     if kind is Path:
-        return _present(root / tree["$inside"] if isinstance(tree, dict) else Path(tree))
+        return _present(root / tree[_INSIDE] if isinstance(tree, dict) else Path(tree))
     if isinstance(kind, type) and issubclass(kind, Enum):
         return kind(tree)
     if isinstance(kind, type) and dataclasses.is_dataclass(kind):

@@ -13,9 +13,9 @@ import pycolmap
 
 from pipeline.core.errors import StageError
 from pipeline.core.fits.similarity import fit_similarity
-from pipeline.core.rotations import angle_between_deg
+from pipeline.core.rotations import angle_between_deg, poses_from_centres
 from pipeline.core.vocabulary import Array, Poses
-from pipeline.evaluate.documents import Document
+from pipeline.evaluate.documents import Document, read_document
 from pipeline.evaluate.records import CameraComparison, CameraErrors
 
 ARM_M = 0.01
@@ -62,7 +62,19 @@ def _block_pairs(run_folder: Path, blocks: Document, name: str) -> tuple[Poses, 
         if frame not in true:
             raise blocks.error(f"poses.{name} has no frame {frame}, which is in the run")
     frames = sorted(found)
-    return _poses([found[frame] for frame in frames]), _poses([true[frame] for frame in frames])
+    placement = run_folder / "blocks" / name / "placement.json"
+    return _placed(_poses([found[f] for f in frames]), placement), _poses([true[f] for f in frames])
+
+
+def _placed(poses: Poses, placement: Path) -> Poses:
+    """Poses of a block's own model in the cable frame; as they stand where the blocks were not joined."""
+    if not placement.exists():
+        return poses
+    matrix = read_document(placement).array("cable_from_block", 4, 4)
+    scale = np.cbrt(np.linalg.det(matrix[:3, :3]))
+    rotations = poses.rotations @ (matrix[:3, :3] / scale).T
+    centres = poses.centres @ matrix[:3, :3].T + matrix[:3, 3]
+    return poses_from_centres(rotations, centres)
 
 
 def _read_sparse(folder: Path) -> dict[int, Array]:

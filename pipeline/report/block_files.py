@@ -6,18 +6,15 @@ similarity that brings them into the cable frame of the joined model.
 
 from pathlib import Path
 
-import cv2
 import numpy as np
-import pycolmap  # after cv2: the other way round the two libraries' PNG writers collide
 
-from pipeline.cable.adjust import Orientation
+from pipeline.cable.colmap_model import write_sparse_model
 from pipeline.cable.mosaic import Mosaic
 from pipeline.cable.records import BlockRun, CableRun
 from pipeline.cable.ring import Alignment
 from pipeline.cable.surface import mesh_surface
-from pipeline.core.division import parameters
-from pipeline.core.files import replacing, write_json
-from pipeline.core.vocabulary import Array, FrameSequence
+from pipeline.core.files import write_json
+from pipeline.core.vocabulary import Array
 from pipeline.report.exports import write_cloud_ply, write_model_ply
 from pipeline.report.types import Cloud, Mesh
 
@@ -34,46 +31,6 @@ def write_block_files(run: CableRun, folder: Path) -> None:
         _write_meshes(own, block, run)
         _write_cloud(own / "cloud.ply", block)
         _write_placement(own / "placement.json", number, run.mosaic, run.ring.alignment)
-
-
-def write_sparse_model(folder: Path, frames: FrameSequence, orientation: Orientation) -> None:
-    """Write the adjusted block in COLMAP's format: one SIMPLE_DIVISION camera, images, points with tracks."""
-    lens = orientation.lens
-    model = pycolmap.Reconstruction()
-    camera = pycolmap.Camera(
-        model="SIMPLE_DIVISION",
-        width=lens.width_px,
-        height=lens.height_px,
-        params=parameters(lens),
-        camera_id=1,
-    )
-    model.add_camera_with_trivial_rig(camera)
-    rows = [np.flatnonzero(orientation.frame == k) for k in range(len(frames))]
-    for k, file in enumerate(frames.files):
-        image = pycolmap.Image(name=file.name, points2D=pycolmap.Point2DList(), camera_id=1, image_id=k + 1)
-        image.points2D = pycolmap.Point2DList([pycolmap.Point2D(p) for p in orientation.pixels[rows[k]]])
-        pose = pycolmap.Rigid3d(
-            pycolmap.Rotation3d(orientation.poses.rotations[k]), orientation.poses.translations[k]
-        )
-        model.add_image_with_trivial_frame(image, pose)
-    _add_points(model, orientation, rows)
-    with replacing(folder, "report") as temporary:
-        temporary.mkdir(parents=True)
-        model.write_binary(str(temporary))
-
-
-def _add_points(model: pycolmap.Reconstruction, orientation: Orientation, rows: list[np.ndarray]) -> None:
-    place = np.concatenate([np.arange(len(r)) for r in rows])
-    order = np.concatenate(rows)
-    by_point = order[np.argsort(orientation.point[order], kind="stable")]
-    place_of = np.empty(len(orientation.point), dtype=np.int64)
-    place_of[order] = place
-    cuts = np.flatnonzero(np.diff(orientation.point[by_point])) + 1
-    for group in np.split(by_point, cuts):
-        track = pycolmap.Track()
-        for row in group:
-            track.add_element(int(orientation.frame[row]) + 1, int(place_of[row]))
-        model.add_point3D(orientation.points[orientation.point[group[0]]], track, np.zeros(3, dtype=np.uint8))
 
 
 def _write_meshes(folder: Path, block: BlockRun, run: CableRun) -> None:
@@ -119,10 +76,7 @@ def _write_cloud(path: Path, block: BlockRun) -> None:
     out = np.broadcast_to(surface.outward(), (*surface.radius_m.shape, 3))[row, column]
     x = np.interp(surface.azimuth[column], picture.azimuth, np.arange(len(picture.azimuth)))
     y = np.interp(surface.y_m[row], picture.y_m, np.arange(len(picture.y_m)))
-    colours = cv2.remap(
-        picture.colour, x.astype(np.float32)[:, None], y.astype(np.float32)[:, None], cv2.INTER_NEAREST
-    )
-    colours = np.ascontiguousarray(np.asarray(colours).reshape(-1, 3)[:, ::-1])
+    colours = np.ascontiguousarray(picture.colour[np.rint(y).astype(int), np.rint(x).astype(int), ::-1])
     write_cloud_ply(path, Cloud(points=points, normals=out, colours=colours))
 
 
@@ -134,4 +88,6 @@ def _write_placement(path: Path, number: int, mosaic: Mosaic, alignment: Alignme
     matrix = np.eye(4)
     matrix[:3, :3] = alignment.rotation @ scaled
     matrix[:3, 3] = alignment.rotation @ shift + alignment.translation
-    write_json(path, {"cable_from_block": matrix, "scale": float(place.scales[number])}, "report")
+    write_json(
+        path, {"format": 1, "cable_from_block": matrix, "scale": float(place.scales[number])}, "report"
+    )

@@ -6,6 +6,7 @@ nor its renderer judges itself.
 
 import signal
 import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -40,6 +41,7 @@ def moment(spec, frame=0):
         translation=poses.translations[frame],
         lamps_in_world=lamps_in_ring(spec),
         seed=1,
+        samples=spec.sensor.samples,
         name="Block1 frame 0",
     )
 
@@ -140,9 +142,8 @@ def test_an_empty_view_is_an_error(tmp_path):
 
 
 def test_control_c_during_a_render_is_not_lost(tmp_path):
-    spec = survey(-0.02)
+    spec = replace(survey(-0.02), sensor=Sensor(samples=150))
     built = build_scene(spec, None)
-    built.scene.cycles.samples = 150
     threading.Timer(0.2, lambda: signal.raise_signal(signal.SIGINT)).start()
     with pytest.raises(KeyboardInterrupt):
         trace(built, moment(spec), tmp_path)

@@ -28,7 +28,8 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         status: int = chosen.act(chosen)
     except StageError as error:
-        print(f"error: {error}", file=sys.stderr)
+        # a bar may stand there, half way
+        print(f"{'\r\x1b[K' if sys.stderr.isatty() else ''}error: {error}", file=sys.stderr)
         return 2
     except (KeyboardInterrupt, Cancelled):
         print("\ninterrupted; what is finished is kept, start again to go on", file=sys.stderr)
@@ -95,10 +96,11 @@ def _parser() -> argparse.ArgumentParser:
 def _run(chosen: argparse.Namespace) -> int:
     # imported here, so that --help and refusals answer at once
     from pipeline.cable.survey import read_survey
+
+    survey = read_survey(chosen.survey)
     from pipeline.console import emitter
     from pipeline.product import make_product
 
-    survey = read_survey(chosen.survey)
     assignments = (*chosen.set, *(("lens.correct=false",) if chosen.no_lens_correction else ()))
     summary = make_product(
         survey,

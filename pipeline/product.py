@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from pipeline.cable.pairs import read_pairs
 from pipeline.cable.records import CableRun
 from pipeline.cable.run import STAGES, bind_options, run_cable
 from pipeline.cable.survey import Survey
@@ -68,6 +69,8 @@ def make_product(
     """
     options = bind_options(survey, assignments)
     true = _truth_stations(truth)
+    if pairs:
+        read_pairs(pairs, tuple(b.name for b in survey.blocks))  # tells now, and not minutes later
     stages = (*STAGES, "report")
     fresh = frozenset(stages[stages.index(start) :] if start else (only,) if only else ())
     folder = RunFolder(out, fresh, None if only in (None, "report") else frozenset({only or ""}))

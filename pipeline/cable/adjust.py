@@ -6,7 +6,7 @@ covariance, never as hard values; the lens is held.  What the lens correction is
 by adjusting once without it.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pipeline.cable.match import TiePoints
 from pipeline.core.bundle import BundleOptions, BundleResult, RigPriors, adjust_bundle
 from pipeline.core.division import parameters, with_parameters
-from pipeline.core.events import Emit, Event
+from pipeline.core.events import Emit, Event, part
 from pipeline.core.rig import Observations, Rig
 from pipeline.core.rotations import cross_matrix, poses_from_centres
 from pipeline.core.vocabulary import Array, Lens, Poses, PosPriors
@@ -33,11 +33,11 @@ class AdjustOptions:
             this is no independent evidence of where the block lies.
     """
 
-    sigma_px: float = 0.2
-    loss_scales_px: tuple[float, ...] = (8.0, 1.0, 0.5)
-    gross_px: float = 1.5
-    least_keypoints: int = 20
-    correlation_m: float = 0.08
+    sigma_px: float = field(default=0.2, metadata={"above": 0.0})
+    loss_scales_px: tuple[float, ...] = field(default=(8.0, 1.0, 0.5), metadata={"above": 0.0})
+    gross_px: float = field(default=1.5, metadata={"above": 0.0})
+    least_keypoints: int = field(default=20, metadata={"minimum": 1})
+    correlation_m: float = field(default=0.08, metadata={"above": 0.0})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,7 +107,8 @@ def adjust_block(
         point=tie_points.point,
         pixels=tie_points.pixels,
     )
-    accepted, result = _adjust(block, measured, tie_points.starts, lens, pos, options, emit)
+    main, extra = part(emit, 0.0, 0.75), part(emit, 0.75, 1.0)
+    accepted, result = _adjust(block, measured, tie_points.starts, lens, pos, options, main)
     poses = poses_from_centres(result.rig.body_rotations, result.rig.body_centres)
     keypoints = np.bincount(accepted.frame, minlength=len(poses))
     origin = np.array([0.0, poses.centres[:, 1].mean(), 0.0])
@@ -124,7 +125,7 @@ def adjust_block(
         reprojection_px=_rms(result.residuals),
         datum_origin=origin,
         datum_information=_datum(poses, pos, origin, options),
-        lens_effect=_without_correction(block, accepted, result.rig.points, lens, pos, options, emit),
+        lens_effect=_without_correction(block, accepted, result.rig.points, lens, pos, options, extra),
     )
 
 

@@ -23,7 +23,7 @@ from pipeline.cable.sources import image_files, is_video
 from pipeline.cable.surface import BlockSurface, build_surface
 from pipeline.cable.survey import Block, Survey
 from pipeline.cable.texture import UnrolledPicture, texture_block
-from pipeline.core.events import Emit, Event
+from pipeline.core.events import Emit, Event, part
 from pipeline.core.runfolder import Product, RunFolder
 from pipeline.core.store import stamp_file
 from pipeline.core.vocabulary import FrameSequence, Lens, PosPriors
@@ -101,7 +101,7 @@ class Chain:
             self._options.frames,
         )
         return [
-            Product.of(sequence, source)
+            Product.of(sequence, source, root=self._folder.path)
             for sequence, source in zip(product.value.sequences, sources, strict=True)
         ]
 
@@ -119,11 +119,11 @@ class Chain:
                 spec.division_lambda is not None,
                 block.travel_in_image,
                 options,
-                self._emit,
+                part(self._emit, 0.0, 0.3),
                 scene=scene,
             )
             folder = self._folder.block(block.name) / "undistorted"
-            undistorted, pinhole = undistort_frames(frames, solution.lens, folder, self._emit)
+            undistorted, pinhole = undistort_frames(frames, solution.lens, folder, part(self._emit, 0.3, 1.0))
             return BlockLens(solution=solution, undistorted=undistorted, pinhole=pinhole)
 
         needs = [*self._needs(n, "frames"), spec, block.travel_in_image, scene, options]

@@ -5,7 +5,7 @@ surface: they are cut by the angle between line of sight and normal, the rest by
 connected.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
@@ -26,9 +26,9 @@ class CropOptions:
         fringe_mm: protrusions and islands narrower than this are cut.
     """
 
-    incidence_deg: float = 62.0
-    least_score: float = 0.5
-    fringe_mm: float = 3.0
+    incidence_deg: float = field(default=62.0, metadata={"above": 0.0, "maximum": 85.0})
+    least_score: float = field(default=0.5, metadata={"minimum": 0.0, "maximum": 1.0})
+    fringe_mm: float = field(default=3.0, metadata={"minimum": 0.0})
 
 
 @dataclass(frozen=True, kw_only=True)

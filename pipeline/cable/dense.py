@@ -5,7 +5,7 @@ measure and a consistency mask.  Sweeps twice: coarse cells over the whole searc
 around the coarse surface.  Leaves out meshing (surface) and colour (texture).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 
@@ -48,15 +48,15 @@ class DenseOptions:
     """
 
     method: DenseMethod = DenseMethod.SWEEP
-    cell_mm: float = 0.0
-    coarse: int = 4
-    limb_deg: float = 60.0
-    margin_mm: float = 25.0
-    search_mm: float = 5.0
-    window: int = 9
-    baselines_mm: tuple[float, ...] = (40.0, 80.0, 120.0)
-    least_score: float = 0.5
-    consistency_mm: float = 0.35
+    cell_mm: float = field(default=0.0, metadata={"minimum": 0.0})
+    coarse: int = field(default=4, metadata={"minimum": 1})
+    limb_deg: float = field(default=60.0, metadata={"above": 0.0, "maximum": 85.0})
+    margin_mm: float = field(default=25.0, metadata={"minimum": 0.0})
+    search_mm: float = field(default=5.0, metadata={"above": 0.0})
+    window: int = field(default=9, metadata={"minimum": 3})
+    baselines_mm: tuple[float, ...] = field(default=(40.0, 80.0, 120.0), metadata={"above": 0.0})
+    least_score: float = field(default=0.5, metadata={"minimum": 0.0, "maximum": 1.0})
+    consistency_mm: float = field(default=0.35, metadata={"above": 0.0})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -194,17 +194,18 @@ class _Strips:
                 offsets_m,
                 self._options.window,
             )
-            for field, values in whole.items():
-                values[rows] = getattr(found, field)[rows - first]
+            for name, values in whole.items():
+                values[rows] = getattr(found, name)[rows - first]
         return SweepResult(**whole)
 
     def _neighbours(self, reference: int, side: int) -> tuple[int, ...]:
-        """Frames about the wanted baselines away, on one side."""
+        """Frames about the wanted baselines away, on one side; much closer ones cannot tell the radius."""
         here = self._along[reference]
+        least_m = 0.75 * min(self._options.baselines_mm) / 1000
         chosen = []
         for baseline_mm in self._options.baselines_mm:
             frame = int(np.abs(self._along - (here + side * baseline_mm / 1000)).argmin())
-            if (frame - reference) * side > 0 and frame not in chosen:
+            if (self._along[frame] - here) * side > least_m and frame not in chosen:
                 chosen.append(frame)
         return tuple(chosen)
 

@@ -42,11 +42,11 @@ class MatchOptions:
     """
 
     track: TrackOptions = field(default_factory=TrackOptions)
-    epipolar_px: float = 0.8
-    epipolar_step: int = 3
-    least_views: int = 3
-    least_points: int = 25
-    seed: int = 1
+    epipolar_px: float = field(default=0.8, metadata={"above": 0.0})
+    epipolar_step: int = field(default=3, metadata={"minimum": 1})
+    least_views: int = field(default=3, metadata={"minimum": 2})
+    least_points: int = field(default=25, metadata={"minimum": 8})
+    seed: int = field(default=1, metadata={"minimum": 0})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,29 +141,40 @@ def _verify(
 ) -> tuple[NDArray[np.bool_], Array, Array]:
     """Check pairs of frames a few steps apart by their pictures alone (equation 11 and Algorithm 1).
 
+    A measurement whose point is seen neither so many frames earlier nor later is checked against the next
+    frame: points near the ends of the block and of the picture have no wider pair.
+
     Returns:
         Which measurements stay, and each pair's median distance from the estimated and the predicted
         geometry.
     """
-    keep = np.ones(len(frame), dtype=bool)
+    keep, checked = np.ones(len(frame), dtype=bool), np.zeros(len(frame), dtype=bool)
     estimated, predicted = [], []
     rows = [np.flatnonzero(frame == k) for k in range(len(poses))]
-    step = min(options.epipolar_step, len(poses) - 1)
-    for first, second in zip(range(len(poses) - step), range(step, len(poses)), strict=True):
-        _, a, b = np.intersect1d(point[rows[first]], point[rows[second]], return_indices=True)
-        a, b = rows[first][a], rows[second][b]
-        if len(a) < options.least_points:
-            continue
-        choice = FundamentalOptions(noise_sigma=options.epipolar_px / 2.5, seed=options.seed)
-        F = estimate_fundamental(pixels[a], pixels[b], choice).F
-        residuals_px = reconstruct_projective(F, pixels[a], pixels[b]).residuals_px
-        bad = ~(residuals_px <= options.epipolar_px)
-        keep[a[bad]] = False
-        keep[b[bad]] = False
-        known = _predicted_fundamental(pinhole, poses, first, second)
-        estimated.append(float(np.median(sampson_distances(F, pixels[a], pixels[b]))))
-        predicted.append(float(np.median(sampson_distances(known, pixels[a], pixels[b]))))
+    wide = min(options.epipolar_step, len(poses) - 1)
+    for step in dict.fromkeys((wide, 1)):
+        seen = checked.copy()
+        for first, second in zip(range(len(poses) - step), range(step, len(poses)), strict=True):
+            _, a, b = np.intersect1d(point[rows[first]], point[rows[second]], return_indices=True)
+            a, b = rows[first][a], rows[second][b]
+            if len(a) < options.least_points or (seen[a] & seen[b]).all():
+                continue
+            F, bad = _judge(pixels[a], pixels[b], options)
+            keep[a[bad & ~seen[a]]] = False
+            keep[b[bad & ~seen[b]]] = False
+            checked[a] = checked[b] = True
+            if step == wide:
+                known = _predicted_fundamental(pinhole, poses, first, second)
+                estimated.append(float(np.median(sampson_distances(F, pixels[a], pixels[b]))))
+                predicted.append(float(np.median(sampson_distances(known, pixels[a], pixels[b]))))
     return keep, np.array(estimated), np.array(predicted)
+
+
+def _judge(first: Array, second: Array, options: MatchOptions) -> tuple[Array, NDArray[np.bool_]]:
+    """The fundamental matrix of one pair of frames, and which of their common points contradict it."""
+    choice = FundamentalOptions(noise_sigma=options.epipolar_px / 2.5, seed=options.seed)
+    F = estimate_fundamental(first, second, choice).F
+    return F, ~(reconstruct_projective(F, first, second).residuals_px <= options.epipolar_px)
 
 
 def _predicted_fundamental(pinhole: Lens, poses: Poses, first: int, second: int) -> Array:

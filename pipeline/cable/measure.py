@@ -6,7 +6,7 @@ cable.  Circles and ellipses are fitted to distances, over the closed ring (desi
 algebraically.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -34,11 +34,11 @@ class MeasureOptions:
             given.
     """
 
-    slice_mm: float = 10.0
-    profile_mm: float = 5.0
-    bin_deg: float = 1.0
-    least_coverage_deg: float = 90.0
-    focal_relative_sigma: float = 0.0003
+    slice_mm: float = field(default=10.0, metadata={"above": 0.0})
+    profile_mm: float = field(default=5.0, metadata={"above": 0.0})
+    bin_deg: float = field(default=1.0, metadata={"above": 0.0, "maximum": 45.0})
+    least_coverage_deg: float = field(default=90.0, metadata={"above": 0.0, "maximum": 360.0})
+    focal_relative_sigma: float = field(default=0.0003, metadata={"minimum": 0.0})
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -36,12 +36,12 @@ class MosaicOptions:
 
     match: UnrolledMatchOptions = field(default_factory=UnrolledMatchOptions)
     single_point: bool = False
-    sigma_along_mm: float = 0.06
-    sigma_around_mm: float = 0.1
-    sigma_radial_mm: float = 0.1
-    surface_mm: float = 0.2
-    surface_step_mm: float = 4.0
-    smooth_mm: float = 2.0
+    sigma_along_mm: float = field(default=0.06, metadata={"above": 0.0})
+    sigma_around_mm: float = field(default=0.1, metadata={"above": 0.0})
+    sigma_radial_mm: float = field(default=0.1, metadata={"above": 0.0})
+    surface_mm: float = field(default=0.2, metadata={"above": 0.0})
+    surface_step_mm: float = field(default=4.0, metadata={"above": 0.0})
+    smooth_mm: float = field(default=2.0, metadata={"minimum": 0.0})
 
 
 @dataclass(frozen=True, kw_only=True)

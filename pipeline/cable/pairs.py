@@ -32,6 +32,8 @@ def read_pairs(path: Path, blocks: tuple[str, ...]) -> tuple[PointPairs, ...]:
             rows = list(csv.DictReader(file))
     except OSError as error:
         raise StageError("mosaic", f"cannot read {path} ({error.strerror})", "correct --pairs") from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise StageError("mosaic", f"{path} is no CSV in UTF-8", "correct --pairs") from error
     if not rows:
         raise StageError("mosaic", f"{path} holds no pairs", "write one line for each two neighbours")
     found: dict[tuple[int, int], list[tuple[list[float], list[float]]]] = defaultdict(list)

@@ -199,24 +199,29 @@ class _Unknowns:
     shape: Array
 
     def residuals(self, values: Array) -> tuple[Array, Array]:
-        """Distances across the edge in the distorted picture, half-diagonals, and the Jacobian.
+        """Measured minus predicted y in the distorted picture, half-diagonals, and the Jacobian.
 
-        The undistorted y / (1 + lambda r^2) = offset + slope x / (1 + lambda r^2) + shape, multiplied out: so
-        the noise enters once and unscaled.  (In the undistorted picture a lambda that shrinks the picture
-        would shrink the noise too, and be preferred for it: a bias of two sigma.)
+        The prediction solves y = slope x + (offset + shape) (1 + lambda (x^2 + y^2)), equation (15) multiplied
+        out.  No measured y goes into it: a lambda that shrinks the noise with the picture, or noise in r^2,
+        each would be a bias of up to two sigma.
         """
         x, y = self.points.T
-        r2 = x**2 + y**2
         offset, slope = values[1 : 1 + 2 * self.line_count].reshape(-1, 2)[self.line].T
         height = offset + self.shape @ values[1 + 2 * self.line_count :]
-        growth = 1 + values[0] * r2
+        predicted = y
+        for _ in range(2):  # Newton: the first step is good to the square of the noise
+            error = predicted - slope * x - height * (1 + values[0] * (x**2 + predicted**2))
+            predicted = predicted - error / (1 - 2 * values[0] * height * predicted)
+        r2 = x**2 + predicted**2
+        per_right_side = -1 / (1 - 2 * values[0] * height * predicted)
+        growth = (1 + values[0] * r2) * per_right_side
         row = np.arange(len(x))
         jacobian = np.zeros((len(x), len(values)))
-        jacobian[:, 0] = -height * r2
-        jacobian[row, 1 + 2 * self.line] = -growth
-        jacobian[row, 2 + 2 * self.line] = -x
-        jacobian[:, 1 + 2 * self.line_count :] = -self.shape * growth[:, None]
-        return y - slope * x - height * growth, jacobian
+        jacobian[:, 0] = height * r2 * per_right_side
+        jacobian[row, 1 + 2 * self.line] = growth
+        jacobian[row, 2 + 2 * self.line] = x * per_right_side
+        jacobian[:, 1 + 2 * self.line_count :] = self.shape * growth[:, None]
+        return y - predicted, jacobian
 
 
 def _adjust(unknowns: _Unknowns, start: float, spread: Array) -> tuple[Array, Array, Array, float, Array]:

@@ -6,7 +6,7 @@ axis.  Where blocks overlap they are blended by how squarely each looked at the 
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
@@ -30,9 +30,9 @@ class RingOptions:
         ends_mm: length kept beyond the first and the last frame.
     """
 
-    cell_mm: float = 0.5
-    texel_mm: float = 0.0
-    ends_mm: float = 15.0
+    cell_mm: float = field(default=0.5, metadata={"above": 0.0})
+    texel_mm: float = field(default=0.0, metadata={"minimum": 0.0})
+    ends_mm: float = field(default=15.0, metadata={"minimum": 0.0})
 
 
 @dataclass(frozen=True, kw_only=True)

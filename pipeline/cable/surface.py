@@ -4,7 +4,7 @@ Takes the dense radius map; gives the surface that is textured, cropped and join
 section 2.4).  Leaves out colour.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
@@ -28,10 +28,10 @@ class SurfaceOptions:
         mesh_mm: edge of the triangles.
     """
 
-    outlier_mm: float = 0.6
-    surroundings_mm: float = 5.0
-    fill_mm: float = 6.0
-    mesh_mm: float = 1.0
+    outlier_mm: float = field(default=0.6, metadata={"above": 0.0})
+    surroundings_mm: float = field(default=5.0, metadata={"above": 0.0})
+    fill_mm: float = field(default=6.0, metadata={"minimum": 0.0})
+    mesh_mm: float = field(default=1.0, metadata={"above": 0.0})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,8 +141,9 @@ def _close_holes(radius: Image, cell_mm: float, options: SurfaceOptions) -> Imag
         return radius
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width | 1, width | 1))
     padded = cv2.copyMakeBorder(known.astype(np.uint8), width, width, width, width, cv2.BORDER_CONSTANT)
-    closed = cv2.morphologyEx(padded, cv2.MORPH_CLOSE, kernel)[width:-width, width:-width]
-    hole = (closed > 0) & ~known
+    _, region = cv2.connectedComponents(1 - padded, connectivity=4)
+    closed = (cv2.morphologyEx(padded, cv2.MORPH_CLOSE, kernel) > 0) & (region != region[0, 0])
+    hole = closed[width:-width, width:-width] & ~known
     if not hole.any():
         return radius
     middle = np.float32(np.median(radius[known]))

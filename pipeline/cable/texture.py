@@ -7,7 +7,7 @@ divided out.
 """
 
 from collections import OrderedDict
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
@@ -29,7 +29,7 @@ class TextureOptions:
         even_exposure: divide out what lamp and lens add.
     """
 
-    texel_mm: float = 0.0
+    texel_mm: float = field(default=0.0, metadata={"minimum": 0.0})
     even_exposure: bool = True
 
 

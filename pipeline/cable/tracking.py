@@ -9,7 +9,7 @@ takes it out.
 
 from collections import OrderedDict
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
@@ -35,12 +35,12 @@ class TrackOptions:
         normalise_px: radius of the local mean and contrast.
     """
 
-    points_per_frame: int = 260
-    limb_deg: float = 58.0
-    window_px: int = 21
-    round_trip_px: float = 0.25
-    difference: float = 18.0
-    normalise_px: float = 9.0
+    points_per_frame: int = field(default=260, metadata={"minimum": 1})
+    limb_deg: float = field(default=58.0, metadata={"above": 0.0, "maximum": 85.0})
+    window_px: int = field(default=21, metadata={"minimum": 5})
+    round_trip_px: float = field(default=0.25, metadata={"above": 0.0})
+    difference: float = field(default=18.0, metadata={"above": 0.0})
+    normalise_px: float = field(default=9.0, metadata={"above": 0.0})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,7 +117,10 @@ class Tracker:
 
     def track(self, home: int) -> Track:
         """Choose points in frame ``home`` and follow them both ways until they leave the picture."""
-        pixels, starts = self._choose(home)
+        return self.follow(home, *self._choose(home))
+
+    def follow(self, home: int, pixels: Array, starts: Array) -> Track:
+        """Follow given points, (m, 2) pixels in frame ``home`` and (m, 3) rough places, both ways."""
         everything = np.arange(len(starts))
         found = [(np.full(len(starts), home), everything, pixels)]
         for step in (1, -1):

@@ -6,7 +6,7 @@ surfaces.  Corners of the first are sought by normalised correlation, must agree
 smooth (affine) shift, and are refined by tracking there and back.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
@@ -30,12 +30,12 @@ class UnrolledMatchOptions:
         round_trip_mm: tracking there and back must end this close to the start.
     """
 
-    points: int = 800
-    patch_mm: float = 7.0
-    search_mm: float = 4.0
-    least_score: float = 0.55
-    agreement_mm: float = 0.4
-    round_trip_mm: float = 0.1
+    points: int = field(default=800, metadata={"minimum": 1})
+    patch_mm: float = field(default=7.0, metadata={"above": 0.0})
+    search_mm: float = field(default=4.0, metadata={"above": 0.0})
+    least_score: float = field(default=0.55, metadata={"minimum": 0.0, "maximum": 1.0})
+    agreement_mm: float = field(default=0.4, metadata={"above": 0.0})
+    round_trip_mm: float = field(default=0.1, metadata={"above": 0.0})
 
 
 @dataclass(frozen=True, kw_only=True)

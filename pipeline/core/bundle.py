@@ -137,6 +137,22 @@ def adjust_bundle(
     )
 
 
+def intersect_points(rig: Rig, observations: Observations, iterations: int = 5) -> tuple[Rig, Array]:
+    """Intersect the rays of every point, orientations held.
+
+    Returns:
+        The rig with its points moved, and the (N, 2) residuals in pixels.
+    """
+    held = np.zeros(rig.unknowns)
+    chunks = split_along_cable(observations, len(rig.points))
+    for _ in range(iterations):
+        state = linearise(rig, observations)
+        normals = assemble(state, np.ones(len(observations)), held, held, chunks)
+        step, point_steps = solve(normals, 1e-6)
+        rig = rig.moved(step, point_steps)
+    return rig, linearise(rig, observations).residuals
+
+
 def _normals(
     state: Linearisation, rig: Rig, priors: RigPriors, options: BundleOptions, chunks: tuple[Chunk, ...]
 ) -> Normals:

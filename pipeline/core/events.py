@@ -6,7 +6,7 @@ an ``emit`` may raise :class:`~pipeline.core.errors.Cancelled`.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,3 +33,16 @@ Emit = Callable[[Event], None]
 
 def silent(event: Event) -> None:
     """Swallow the event: for callers that want no progress."""
+
+
+def part(emit: Emit, first: float, last: float) -> Emit:
+    """An ``emit`` for one part of a stage's work: what it calls 0 to 1 is ``first`` to ``last`` of the whole.
+
+    So that a stage of several passes never goes back.
+    """
+
+    def tell(event: Event) -> None:
+        share = first + (last - first) * event.done / event.total
+        emit(replace(event, done=round(1000 * share), total=1000))
+
+    return tell

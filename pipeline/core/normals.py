@@ -97,7 +97,7 @@ def assemble(
             free = np.flatnonzero(~held[columns])
             columns = columns[free]
             jacobian = orientation[rows][:, :, free]
-            flat = jacobian.reshape(-1, len(free))
+            flat = jacobian.reshape(2 * len(rows), len(free))
             matrix[np.ix_(columns, columns)] += flat.T @ flat
             right[columns] += flat.T @ residuals[rows].ravel()
             jp = by_point[rows]
@@ -105,7 +105,9 @@ def assemble(
             point_right[local] += np.einsum("nij,ni->nj", jp, residuals[rows])
             mixed = (jacobian.transpose(0, 2, 1) @ jp).transpose(1, 0, 2)
             cross[place[columns][:, None], local[None, :]] += mixed
-        parts.append(_Eliminated(chunk, unknowns, cross.reshape(len(unknowns), -1), blocks, point_right))
+        parts.append(
+            _Eliminated(chunk, unknowns, cross.reshape(len(unknowns), 3 * count), blocks, point_right)
+        )
     return Normals(matrix, right, np.flatnonzero(~held), tuple(parts))
 
 
@@ -113,7 +115,8 @@ def solve(normals: Normals, damping: float) -> tuple[Array, Array]:
     """One damped step (Levenberg-Marquardt): (U,) for the orientations and (M, 3) for the points."""
     reduced, right, inverses = _reduce(normals, damping)
     step = np.zeros(len(normals.right))
-    step[normals.active] = cho_solve(cho_factor(reduced), right)
+    if len(normals.active):
+        step[normals.active] = cho_solve(cho_factor(reduced), right)
     point_steps = [
         np.einsum("nij,nj->ni", inverse, part.right - (step[part.unknowns] @ part.cross).reshape(-1, 3))
         for part, inverse in zip(normals.parts, inverses, strict=True)
@@ -135,8 +138,8 @@ def _reduce(normals: Normals, damping: float) -> tuple[Array, Array, list[Array]
     matrix[np.diag_indices_from(matrix)] *= 1 + damping
     for part in normals.parts:
         inverse = np.linalg.inv(_damped(part.blocks, damping))
-        cross = part.cross.reshape(len(part.unknowns), -1, 3)
-        weighted = np.einsum("umi,mij->umj", cross, inverse).reshape(len(part.unknowns), -1)
+        cross = part.cross.reshape(len(part.unknowns), len(part.blocks), 3)
+        weighted = np.einsum("umi,mij->umj", cross, inverse).reshape(part.cross.shape)
         matrix[np.ix_(part.unknowns, part.unknowns)] -= weighted @ part.cross.T
         right[part.unknowns] -= weighted @ part.right.ravel()
         inverses.append(inverse)

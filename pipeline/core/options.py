@@ -194,6 +194,8 @@ def _mapping(value: object, place: _Place) -> Mapping[str, object]:
 
 def _check_range(field: Field[Any], value: object, place: _Place) -> None:
     rules = field.metadata
+    if value == () and ("above" in rules or "minimum" in rules):
+        raise place.error(f"{place.key} is empty", "give at least one number")
     for number in value if isinstance(value, tuple) else (value,):
         if not isinstance(number, int | float):
             continue

@@ -76,12 +76,14 @@ class Observations:
     Attributes:
         frame, camera, point: (N,) int64 indices into the rig.
         pixels: (N, 2) as the camera measured them, lens distortion included.
+        looseness: (N,) standard deviation of each, in units of the adjustment's own; None: all alike.
     """
 
     frame: NDArray[np.int64]
     camera: NDArray[np.int64]
     point: NDArray[np.int64]
     pixels: Array
+    looseness: Array | None = None
 
     def __len__(self) -> int:
         return len(self.point)
@@ -93,6 +95,7 @@ class Observations:
             camera=self.camera[keep],
             point=self.point[keep],
             pixels=self.pixels[keep],
+            looseness=None if self.looseness is None else self.looseness[keep],
         )
 
 
@@ -101,7 +104,8 @@ class Linearisation:
     """The observation equations at one state.
 
     Attributes:
-        residuals: (N, 2) measured minus projected, pixels; NaN where a point cannot be projected.
+        residuals: (N, 2) measured minus projected, pixels over looseness; NaN where a point cannot be
+            projected.
         orientation: (N, 2, 16) derivative of the projection by body pose, mounting and lens.
         columns: (N, 16) int64, which unknown each of the 16 derivatives belongs to.
         points: (N, 2, 3) derivative by the point.
@@ -147,6 +151,9 @@ def linearise(rig: Rig, observations: Observations) -> Linearisation:
     ]
     sizes = [POSE_PARAMETERS, POSE_PARAMETERS, LENS_PARAMETERS]
     columns = np.concatenate([s[:, None] + np.arange(n) for s, n in zip(starts, sizes, strict=True)], axis=1)
-    return Linearisation(
-        residuals=observations.pixels - pixels, orientation=orientation, columns=columns, points=by_point
-    )
+    residuals = observations.pixels - pixels
+    if observations.looseness is not None:
+        share = 1 / observations.looseness[:, None]
+        residuals = residuals * share
+        orientation, by_point = orientation * share[..., None], by_point * share[..., None]
+    return Linearisation(residuals=residuals, orientation=orientation, columns=columns, points=by_point)

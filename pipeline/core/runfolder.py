@@ -14,7 +14,7 @@ from pathlib import Path
 
 from pipeline.core import store
 from pipeline.core.errors import StageError
-from pipeline.core.files import write_json, write_text
+from pipeline.core.files import unwritable, write_json, write_text
 
 VERSION = "1"  # raise it when a stage's algorithm changes, so that old products are not taken for new ones
 
@@ -27,9 +27,12 @@ class Product[T]:
     stamp: str
 
     @staticmethod
-    def of[V](value: V, *origin: object) -> "Product[V]":
-        """A part of a larger product, with a stamp of its own: of the part and where it comes from."""
-        return Product(value, store.stamp(VERSION, value, *origin))
+    def of[V](value: V, *origin: object, root: Path | None = None) -> "Product[V]":
+        """A part of a larger product, with a stamp of its own: of the part and where it comes from.
+
+        Files inside ``root``, the run folder, count by their place in it.
+        """
+        return Product(value, store.stamp(VERSION, value, *origin, root=root))
 
 
 class RunFolder:
@@ -60,9 +63,16 @@ class RunFolder:
         self._load_timing()
 
     def block(self, name: str) -> Path:
-        """The folder of one block's own files."""
+        """The folder of one block's own files.
+
+        Raises:
+            StageError: it cannot be made.
+        """
         folder = self.path / "blocks" / name
-        folder.mkdir(parents=True, exist_ok=True)
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise unwritable(folder, error, "run") from error
         return folder
 
     def product[T](

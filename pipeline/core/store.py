@@ -42,10 +42,13 @@ def load[T](kind: type[T], path: Path, root: Path) -> T:
         return cast(T, _decode(kind, tree, archive, root))
 
 
-def stamp(*values: object) -> str:
-    """A digest of everything a result depends on: equal inputs and options give an equal stamp."""
+def stamp(*values: object, root: Path | None = None) -> str:
+    """A digest of everything a result depends on: equal inputs and options give an equal stamp.
+
+    Files inside ``root``, the run folder, count by their place in it: it may be moved.
+    """
     arrays: dict[str, np.ndarray[Any, Any]] = {}
-    tree = _encode(list(values), arrays, None)
+    tree = _encode(list(values), arrays, root)
     digest = hashlib.blake2b(json.dumps(tree, sort_keys=True).encode(), digest_size=16)
     for key, array in arrays.items():
         digest.update(f"{key}{array.dtype}{array.shape}".encode())

@@ -5,13 +5,14 @@ here a second time and in another way, so that truth comes by an independent han
 through smoothed noise: smooth and band-limited, it can be evaluated exactly at any azimuth and place.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
 from scipy.ndimage import gaussian_filter, map_coordinates, spline_filter
 from scipy.spatial.transform import Rotation
 
+from pipeline.cable.adjust import Orientation
 from pipeline.core.vocabulary import FrameSequence, Lens, Poses, PosPriors
 
 RADIUS_M, STANDOFF_M, STEP_M, FRAMES = 0.055, 0.3, 0.02, 10
@@ -165,8 +166,40 @@ def sequence(files, block="Block1"):
     )
 
 
-def with_block(frames, block):
-    return replace(frames, block=block)
+def cable_points(view, count=1500, seed=4, limb_deg=55.0):
+    """Random surface points (count, 3) along the whole way, numbered along the cable."""
+    rng = np.random.default_rng(seed)
+    azimuth = np.radians(rng.uniform(-limb_deg, limb_deg, count))
+    return view.points(azimuth, np.sort(rng.uniform(-0.06, TRAVEL_M + 0.06, count)))
+
+
+def observe(view, points, border_px=12.0):
+    """Frame, point and exact pixel of every sight of the points (all within reach of the limb)."""
+    pixels = np.stack([view.project(k, points) for k in range(len(view.poses))])
+    inside = (pixels > border_px) & (pixels < np.array([WIDTH_PX, HEIGHT_PX]) - border_px)
+    frame, point = np.nonzero(inside.all(axis=2))
+    return frame, point, pixels[frame, point]
+
+
+def true_orientation(view):
+    """The block as a perfect adjustment would give it."""
+    points = cable_points(view)
+    frame, point, pixels = observe(view, points)
+    return Orientation(
+        lens=view.lens,
+        poses=view.poses,
+        points=points,
+        frame=frame,
+        point=point,
+        pixels=pixels,
+        residuals=np.zeros_like(pixels),
+        keypoints=np.bincount(frame, minlength=len(view.poses)),
+        calibrated=np.ones(len(view.poses), dtype=bool),
+        reprojection_px=0.0,
+        datum_origin=np.array([0.0, TRAVEL_M / 2, 0.0]),
+        datum_information=np.diag([1e6] * 3 + [4e6] * 3 + [1e6]),
+        lens_effect=None,
+    )
 
 
 def silent(event):

@@ -1,0 +1,295 @@
+"""Stage *joint*: all cameras adjusted together as one rig moving along the cable.
+
+Takes the blocks as they were adjusted alone, marks that neighbouring blocks share, and what is known of
+robot and lenses; gives the blocks again, now in one frame, with their lenses refined and one covariance.
+What is depth for one camera is width for its neighbour, so the ring sees the focal lengths that a single
+strip cannot; and a body rotation that moves one camera forwards moves its opposite backwards, so the ring
+keeps the scale.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.cable.adjust import Orientation
+from pipeline.cable.closing import SharedMarks
+from pipeline.core.bundle import BundleOptions, BundleResult, RigPriors, adjust_bundle, intersect_points
+from pipeline.core.division import coefficient, parameters, with_parameters
+from pipeline.core.events import Emit, Event
+from pipeline.core.rig import POSE_PARAMETERS, Observations, Rig
+from pipeline.core.rotations import (
+    cross_matrix,
+    nominal_cam_from_world,
+    poses_from_centres,
+    rotation_from_vector,
+    vector_from_rotation,
+)
+from pipeline.core.vocabulary import Array, Poses, TravelDirection
+
+
+@dataclass(frozen=True, kw_only=True)
+class JointOptions:
+    """How the ring is adjusted.
+
+    Attributes:
+        sigma_px: standard deviation of an image measurement.
+        shared_sigma_px: of a mark matched between two blocks; all its measurements share the matching's
+            error.
+        loss_scales_px: Cauchy scales of the successive adjustments, loose to tight.
+        points_per_block: so many tie points of each block take part, those seen most often.
+        principal_point_share: standard deviation of an uncalibrated principal point, as a share of the width.
+    """
+
+    sigma_px: float = 0.1
+    shared_sigma_px: float = 0.6
+    loss_scales_px: tuple[float, ...] = (20.0, 1.0)
+    points_per_block: int = 2500
+    principal_point_share: float = 0.01
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobotPriors:
+    """What is known of the robot before any image is looked at; standard deviations in metres and radians.
+
+    Attributes:
+        y_m: (frames,) the body's place along the cable.
+        body_sigmas: (frames, 6) rotation, then place.
+        standoff_m: from each camera to the axis.
+        mount_sigmas: (6,) of a camera on the body: rotation, then place.
+    """
+
+    y_m: Array
+    body_sigmas: Array
+    standoff_m: float
+    mount_sigmas: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class JointBlock:
+    """What the joint adjustment needs to know of one block."""
+
+    name: str
+    azimuth_deg: float
+    travel_in_image: TravelDirection
+    orientation: Orientation
+
+
+@dataclass(frozen=True, kw_only=True)
+class RingOrientation:
+    """The adjusted ring.
+
+    Attributes:
+        blocks: each block's orientation, all in one frame.
+        covariance: (7 b, 7 b) of each block as a whole: rotation vector (rad), shift (m), scale.
+        focal_sigmas: (b,) relative standard deviation of the focal lengths.
+        shared_residual_px: root mean square residual of the shared marks.
+        iterations: steps of the last adjustment.
+    """
+
+    blocks: tuple[Orientation, ...]
+    covariance: Array
+    focal_sigmas: Array
+    shared_residual_px: float
+    iterations: int
+
+
+def adjust_ring(
+    blocks: tuple[JointBlock, ...],
+    shared: SharedMarks,
+    robot: RobotPriors,
+    options: JointOptions,
+    emit: Emit,
+) -> RingOrientation:
+    """Adjust all blocks together.
+
+    Args:
+        blocks: adjusted alone, over the same frames.
+        shared: marks seen by two blocks.
+        robot: priors.
+        options: see there.
+        emit: progress, one event an iteration.
+    """
+    nominal = _nominal_rig(blocks, robot)
+    priors = _priors(nominal, blocks, robot, options)
+    measured, points = _gather(blocks, shared, options)
+    rig = replace(_started(nominal, blocks), points=points)
+    for number, scale in enumerate(options.loss_scales_px):
+
+        def tell(iteration: int, iterations: int, number: int = number) -> None:
+            total = iterations * len(options.loss_scales_px)
+            emit(Event(stage="joint", done=number * iterations + iteration - 1, total=total))
+
+        bundle = BundleOptions(sigma_px=options.sigma_px, loss_scale_px=scale)
+        result = adjust_bundle(rig, measured, priors, bundle, tell)
+        rig = result.rig
+    residual = (
+        result.residuals[len(measured) - len(shared.pixels) :] * options.shared_sigma_px / options.sigma_px
+    )
+    return RingOrientation(
+        blocks=tuple(_block(n, b, result.rig) for n, b in enumerate(blocks)),
+        covariance=_block_covariance(result, len(blocks)),
+        focal_sigmas=_focal_sigmas(result, len(blocks)),
+        shared_residual_px=float(np.sqrt(np.nanmean(np.sum(residual**2, axis=1)))) if len(residual) else 0.0,
+        iterations=result.iterations,
+    )
+
+
+def _nominal_rig(blocks: tuple[JointBlock, ...], robot: RobotPriors) -> Rig:
+    """The robot as it was built, gliding evenly along the axis."""
+    frames = len(robot.y_m)
+    radians = np.deg2rad([b.azimuth_deg for b in blocks])
+    return Rig(
+        body_rotations=np.tile(np.eye(3), (frames, 1, 1)),
+        body_centres=np.stack([np.zeros(frames), robot.y_m, np.zeros(frames)], axis=1),
+        mount_rotations=np.stack([nominal_cam_from_world(b.azimuth_deg, b.travel_in_image) for b in blocks]),
+        mount_centres=robot.standoff_m * np.stack([np.cos(radians), 0 * radians, -np.sin(radians)], axis=1),
+        lenses=np.stack([parameters(b.orientation.lens) for b in blocks]),
+        points=np.zeros((0, 3)),
+    )
+
+
+def _started(nominal: Rig, blocks: tuple[JointBlock, ...]) -> Rig:
+    """Body poses from the blocks as they were adjusted alone: their mean, block by block turned back."""
+    turns, centres = [], []
+    for number, block in enumerate(blocks):
+        mount, arm = nominal.mount_rotations[number], nominal.mount_centres[number]
+        rotations = mount.T @ block.orientation.poses.rotations
+        turns.append(vector_from_rotation(rotations))
+        centres.append(block.orientation.poses.centres - np.einsum("nji,j->ni", rotations, arm))
+    return replace(
+        nominal,
+        body_rotations=rotation_from_vector(np.mean(turns, axis=0)),
+        body_centres=np.mean(centres, axis=0),
+    )
+
+
+def _priors(
+    nominal: Rig, blocks: tuple[JointBlock, ...], robot: RobotPriors, options: JointOptions
+) -> RigPriors:
+    lenses = []
+    for block in blocks:
+        lens = block.orientation.lens
+        per_lambda = coefficient(replace(lens, division_lambda=1.0))
+        centre = 0.0 if lens.focal_sigma_px == 0 else options.principal_point_share * lens.width_px
+        lenses.append([lens.focal_sigma_px, centre, centre, per_lambda * lens.lambda_sigma])
+    return RigPriors(
+        reference=nominal,
+        body_sigmas=robot.body_sigmas,
+        mount_sigmas=np.tile(robot.mount_sigmas, (len(blocks), 1)),
+        lens_sigmas=np.array(lenses),
+    )
+
+
+def _gather(
+    blocks: tuple[JointBlock, ...], shared: SharedMarks, options: JointOptions
+) -> tuple[Observations, Array]:
+    """Chosen measurements of all blocks, then the shared marks; points numbered along the cable."""
+    frames, cameras, points, pixels, places, count = [], [], [], [], [], 0
+    for number, block in enumerate(blocks):
+        orientation = block.orientation
+        chosen = _chosen(orientation, options.points_per_block)
+        new = np.full(len(orientation.points), -1)
+        new[chosen] = count + np.arange(len(chosen))
+        rows = new[orientation.point] >= 0
+        frames.append(orientation.frame[rows])
+        cameras.append(np.full(rows.sum(), number))
+        points.append(new[orientation.point[rows]])
+        pixels.append(orientation.pixels[rows])
+        places.append(orientation.points[chosen])
+        count += len(chosen)
+    tied = sum(len(p) for p in points)
+    looseness = np.ones(tied + len(shared.pixels))
+    looseness[tied:] = options.shared_sigma_px / options.sigma_px
+    place = np.concatenate([*places, shared.points])
+    order = np.argsort(place[:, 1], kind="stable")
+    rank = np.empty(len(order), dtype=np.int64)
+    rank[order] = np.arange(len(order))
+    measured = Observations(
+        frame=np.concatenate([*frames, shared.frame]),
+        camera=np.concatenate([*cameras, shared.block]),
+        point=rank[np.concatenate([*points, count + shared.mark])],
+        pixels=np.concatenate([*pixels, shared.pixels]),
+        looseness=looseness,
+    )
+    return measured, place[order]
+
+
+def _chosen(orientation: Orientation, most: int) -> NDArray[np.int64]:
+    """The points seen most often in each centimetre of cable, ``most`` in all."""
+    views = np.bincount(orientation.point, minlength=len(orientation.points))
+    usable = np.flatnonzero(views >= 3)
+    stretch = np.floor(orientation.points[usable, 1] / 0.01)
+    order = np.lexsort((-views[usable], stretch))
+    first = np.flatnonzero(np.diff(stretch[order], prepend=-np.inf))
+    rank = np.arange(len(order)) - np.repeat(first, np.diff(np.append(first, len(order))))
+    return np.sort(usable[order[rank < max(most // max(len(first), 1), 1)]])
+
+
+def _camera_poses(rig: Rig, camera: int) -> Poses:
+    rotations = rig.mount_rotations[camera] @ rig.body_rotations
+    arms = np.einsum("nji,j->ni", rig.body_rotations, rig.mount_centres[camera])
+    return poses_from_centres(rotations, rig.body_centres + arms)
+
+
+def _block(number: int, block: JointBlock, rig: Rig) -> Orientation:
+    """A block's orientation in the ring, all its tie points intersected anew."""
+    alone, poses = block.orientation, _camera_poses(rig, number)
+    lens = with_parameters(alone.lens, rig.lenses[number])
+    single = Rig(
+        body_rotations=poses.rotations,
+        body_centres=poses.centres,
+        mount_rotations=np.eye(3)[None],
+        mount_centres=np.zeros((1, 3)),
+        lenses=rig.lenses[number : number + 1],
+        points=alone.points,
+    )
+    seen = Observations(
+        frame=alone.frame, camera=np.zeros_like(alone.frame), point=alone.point, pixels=alone.pixels
+    )
+    placed, residuals = intersect_points(single, seen)
+    return replace(
+        alone,
+        lens=lens,
+        poses=poses,
+        points=placed.points,
+        residuals=residuals,
+        reprojection_px=float(np.sqrt(np.nanmean(np.sum(residuals**2, axis=1)))),
+        datum_origin=np.array([0.0, poses.centres[:, 1].mean(), 0.0]),
+    )
+
+
+def _block_covariance(result: BundleResult, blocks: int) -> Array:
+    """Covariance of each block as a whole: the similarity that its cameras' joint errors amount to."""
+    rig = result.rig
+    frames = len(rig.body_rotations)
+    maps = []
+    for camera in range(blocks):
+        poses = _camera_poses(rig, camera)
+        by_unknowns = np.zeros((frames, 6, rig.unknowns))
+        mount = slice(POSE_PARAMETERS * (frames + camera), POSE_PARAMETERS * (frames + camera + 1))
+        back = rig.body_rotations.transpose(0, 2, 1)
+        for k in range(frames):
+            body = slice(POSE_PARAMETERS * k, POSE_PARAMETERS * (k + 1))
+            by_unknowns[k, :3, body][:, :3] = rig.mount_rotations[camera]
+            by_unknowns[k, 3:, body][:, :3] = back[k] @ cross_matrix(rig.mount_centres[camera])
+            by_unknowns[k, 3:, body][:, 3:] = np.eye(3)
+            by_unknowns[k, :3, mount][:, :3] = np.eye(3)
+            by_unknowns[k, 3:, mount][:, 3:] = back[k]
+        arms = poses.centres - np.array([0.0, poses.centres[:, 1].mean(), 0.0])
+        by_whole = np.zeros((frames, 6, 7))
+        by_whole[:, :3, :3] = -poses.rotations
+        by_whole[:, 3:, :3] = -cross_matrix(arms)
+        by_whole[:, 3:, 3:6] = np.eye(3)
+        by_whole[:, 3:, 6] = arms
+        inverse = np.linalg.pinv(by_whole.reshape(-1, 7))
+        maps.append(inverse @ by_unknowns.reshape(-1, rig.unknowns))
+    whole = np.concatenate(maps)
+    return whole @ result.covariance @ whole.T
+
+
+def _focal_sigmas(result: BundleResult, blocks: int) -> Array:
+    rig = result.rig
+    first = POSE_PARAMETERS * (len(rig.body_rotations) + blocks)
+    variances = np.diag(result.covariance)[first::4][:blocks]
+    return np.sqrt(variances) / rig.lenses[:, 0]

@@ -1,0 +1,41 @@
+"""Pictures and records that several tests look at; made once."""
+
+import pytest
+
+from pipeline.cable.dense import DenseOptions, sweep_block
+from tests.cable import scene
+
+
+@pytest.fixture(scope="session")
+def straight_view():
+    """A swaying robot with a lens that bends nothing: its frames are undistorted as they are."""
+    return scene.Scene(poses=scene.poses(sway_deg=0.15, sway_mm=0.4))
+
+
+@pytest.fixture(scope="session")
+def straight_frames(straight_view, tmp_path_factory):
+    return straight_view.write(tmp_path_factory.mktemp("straight"))
+
+
+@pytest.fixture(scope="session")
+def barrel_view():
+    """The same robot with a barrel lens."""
+    return scene.Scene(poses=scene.poses(sway_deg=0.15, sway_mm=0.4), lens=scene.lens(scene.BARREL))
+
+
+@pytest.fixture(scope="session")
+def barrel_frames(barrel_view, tmp_path_factory):
+    return barrel_view.write(tmp_path_factory.mktemp("barrel"))
+
+
+@pytest.fixture(scope="session")
+def barrel_orientation(barrel_view):
+    """The barrel frames' true orientation."""
+    return scene.true_orientation(barrel_view)
+
+
+@pytest.fixture(scope="session")
+def barrel_map(barrel_frames, barrel_orientation, tmp_path_factory):
+    """The dense surface from true orientations."""
+    scratch = tmp_path_factory.mktemp("scratch")
+    return sweep_block(barrel_frames, barrel_orientation, 0.0, DenseOptions(), scene.silent, scratch)

@@ -1,0 +1,136 @@
+"""The radius map of a painted cable: right, as noisy as it says, and empty where nothing can be matched."""
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pycolmap
+import pytest
+
+from pipeline.cable.dense import DenseMethod, DenseOptions, sweep_block
+from pipeline.core.errors import StageError
+from tests.cable import scene
+
+
+def sweep(frames, orientation, folder, options=None, azimuth_deg=0.0, emit=scene.silent):
+    return sweep_block(frames, orientation, azimuth_deg, options or DenseOptions(), emit, folder)
+
+
+def error_mm(found):
+    """Distance of every cell from the true cylinder about the y axis, whatever axis the map has."""
+    azimuth, y_m = np.meshgrid(found.azimuth, found.y_m)
+    points = found.axis.roll(azimuth.ravel(), y_m.ravel(), found.radius_m.ravel().astype(float))
+    return 1000 * (np.hypot(points[:, 0], points[:, 2]) - scene.RADIUS_M).reshape(azimuth.shape)
+
+
+def test_the_surface_is_right(barrel_map):
+    error = error_mm(barrel_map)
+    assert abs(np.nanmedian(error)) < 0.02
+    assert np.nanpercentile(np.abs(error), 95) < 0.35
+    for part in np.array_split(error, 6, axis=0):  # along the whole way, the ends included
+        assert abs(np.nanmedian(part)) < 0.05
+    for part in np.array_split(error, 5, axis=1):  # and all around
+        assert abs(np.nanmedian(part)) < 0.06
+
+
+def test_the_noise_is_what_the_two_halves_say_it_is(barrel_map):
+    scatter = 1.4826 * np.nanmedian(np.abs(error_mm(barrel_map)))
+    assert 0.6 < barrel_map.noise_mm / scatter < 1.7
+    assert 0.02 < barrel_map.noise_mm < 0.15
+
+
+def test_most_of_what_the_camera_passed_is_covered(barrel_map):
+    assert barrel_map.coverage == pytest.approx(np.isfinite(barrel_map.radius_m).mean())
+    assert 0.97 < barrel_map.coverage < 1
+    for part in np.array_split(np.isfinite(barrel_map.radius_m), 10, axis=0):
+        assert part.mean() > 0.94  # the end frames lack partners on one side: no reason for holes there
+    assert barrel_map.y_m[0] == pytest.approx(-0.025, abs=1e-3)
+    assert barrel_map.y_m[-1] == pytest.approx(scene.TRAVEL_M + 0.025, abs=2e-3)
+    np.testing.assert_allclose(np.rad2deg(barrel_map.azimuth[[0, -1]]), [-60, 60])
+
+
+def test_a_pixel_on_the_surface_has_the_size_it_has(barrel_map):
+    truth_mm = 1000 * (scene.STANDOFF_M - scene.RADIUS_M) / scene.FOCAL_PX
+    assert barrel_map.ground_sample_mm == pytest.approx(truth_mm, rel=0.01)
+    assert 1000 * np.diff(barrel_map.y_m).mean() == pytest.approx(barrel_map.ground_sample_mm)
+
+
+def test_a_bare_patch_is_masked_and_its_surroundings_are_not(barrel_view, barrel_orientation, tmp_path):
+    class Bare(scene.Texture):
+        """A cable with a stretch of one even grey."""
+
+        def __call__(self, azimuth, y_m):
+            bare = (np.abs(np.angle(np.exp(1j * azimuth))) < 0.3) & (np.abs(y_m - 0.09) < 0.02)
+            return np.where(bare, 128, super().__call__(azimuth, y_m))
+
+    frames = replace(barrel_view, texture=Bare()).write(tmp_path / "bare")
+    found = sweep(frames, barrel_orientation, tmp_path)
+    azimuth, y_m = np.meshgrid(found.azimuth, found.y_m)
+    stands = np.isfinite(found.radius_m)
+    inside = (np.abs(azimuth) < 0.2) & (np.abs(y_m - 0.09) < 0.015)
+    outside = (np.abs(azimuth) < 0.7) & (np.abs(y_m - 0.09) > 0.03) & (y_m > 0) & (y_m < scene.TRAVEL_M)
+    assert stands[inside].mean() < 0.05
+    assert stands[outside].mean() > 0.97
+
+
+def test_a_bump_stands_out_of_the_map(barrel_view, tmp_path):
+    def bump(azimuth, y_m):
+        around = scene.RADIUS_M * np.angle(np.exp(1j * azimuth))
+        return 0.0015 * np.exp(-(around**2 + (y_m - 0.07) ** 2) / (2 * 0.01**2))
+
+    view = replace(barrel_view, height_m=bump)
+    found = sweep(view.write(tmp_path / "bump"), scene.true_orientation(view), tmp_path)
+    azimuth, y_m = np.meshgrid(found.azimuth, found.y_m)
+    left = error_mm(found) - 1000 * bump(azimuth, y_m)
+    assert abs(np.nanmedian(left)) < 0.03
+    assert 1.25 < np.nanmedian(error_mm(found)[bump(azimuth, y_m) > 0.00142]) < 1.55
+
+
+def test_the_camera_may_stand_anywhere_around_the_cable(tmp_path):
+    view = scene.Scene(poses=scene.poses(azimuth_deg=250.0, frames=6), lens=scene.lens(scene.BARREL))
+    points = scene.cable_points(view) @ np.array(
+        [[np.cos(np.radians(250)), 0, -np.sin(np.radians(250))], [0, 1, 0],
+         [np.sin(np.radians(250)), 0, np.cos(np.radians(250))]]
+    )  # fmt: skip
+    orientation = replace(scene.true_orientation(view), points=points)
+    found = sweep(view.write(tmp_path / "f"), orientation, tmp_path, azimuth_deg=250.0)
+    assert np.rad2deg(found.azimuth.mean()) == pytest.approx(250)
+    assert abs(np.nanmedian(error_mm(found))) < 0.03
+    assert found.coverage > 0.8
+
+
+def test_coarser_cells_are_taken_when_they_are_asked_for(barrel_frames, barrel_orientation, tmp_path):
+    found = sweep(barrel_frames, barrel_orientation, tmp_path, DenseOptions(cell_mm=1.5))
+    np.testing.assert_allclose(np.diff(found.y_m), 0.0015)
+    assert scene.RADIUS_M * np.diff(found.azimuth).mean() == pytest.approx(0.0015, rel=0.03)
+    assert abs(np.nanmedian(error_mm(found))) < 0.03
+
+
+def test_frames_that_do_not_belong_together_are_refused(barrel_orientation, tmp_path):
+    rng = np.random.default_rng(1)
+    files = [tmp_path / f"{k}.png" for k in range(scene.FRAMES)]
+    for file in files:
+        noise = rng.integers(0, 255, (scene.HEIGHT_PX, scene.WIDTH_PX, 3), dtype=np.uint8)
+        cv2.imwrite(str(file), noise)
+    with pytest.raises(StageError) as told:
+        sweep(scene.sequence(files), barrel_orientation, tmp_path)
+    assert str(told.value).startswith("dense: Block1: only ")
+    assert str(told.value).endswith(
+        "of the surface could be matched; check the focus, the lens and the stand-off of this block."
+    )
+
+
+def test_progress_never_goes_back_and_names_the_block(barrel_frames, barrel_orientation, tmp_path):
+    events = []
+    sweep(barrel_frames, barrel_orientation, tmp_path, DenseOptions(cell_mm=2.0), emit=events.append)
+    shares = [e.done / e.total for e in events]
+    assert shares == sorted(shares)
+    assert len(events) == 2 * scene.FRAMES
+    assert {(e.stage, e.block) for e in events} == {("dense", "Block1")}
+    assert 0.9 < shares[-1] <= 1
+
+
+@pytest.mark.skipif(pycolmap.has_cuda, reason="patch matching is there")
+def test_patch_matching_without_cuda_is_refused(barrel_frames, barrel_orientation, tmp_path):
+    with pytest.raises(StageError, match=r"needs a pycolmap built with CUDA.*leave dense\.method at sweep"):
+        sweep(barrel_frames, barrel_orientation, tmp_path, DenseOptions(method=DenseMethod.PATCH_MATCH))

@@ -152,8 +152,7 @@ class Chain:
             "match",
             TiePoints,
             lambda: match_block(
-                lens.undistorted,
-                lens.pinhole,
+                self._value("frames", n),
                 lens.solution.lens,
                 self._value("pos", n),
                 block.angle_deg,

@@ -17,14 +17,12 @@ from numpy.typing import NDArray
 from pipeline.cable.adjust import Orientation
 from pipeline.cable.surface import BlockSurface
 from pipeline.cable.texture import TextureOptions, UnrolledPicture, texture_block
-from pipeline.cable.tracking import Gray, NormalisedFrames, Tracker, TrackOptions
+from pipeline.cable.tracking import Gray, Tracker, TrackOptions
 from pipeline.cable.unrolled_match import UnrolledMatchOptions, match_unrolled
 from pipeline.core.axis import axis_of_cylinder
-from pipeline.core.cylinder_view import image_points
-from pipeline.core.division import pixels_to_rays, rays_to_pixels
 from pipeline.core.events import Emit, Event, silent
 from pipeline.core.fits.cylinder import fit_cylinder
-from pipeline.core.vocabulary import Array, FrameSequence, Lens
+from pipeline.core.vocabulary import Array, FrameSequence
 
 LEAST_VIEWS = 3
 
@@ -52,14 +50,11 @@ class ClosingBlock:
 
     Attributes:
         frames: original frames.
-        undistorted: the same frames as a pinhole camera would have taken them, with its lens ``pinhole``.
         orientation: adjusted alone.
         azimuth_deg: place of the camera around the axis.
     """
 
     frames: FrameSequence
-    undistorted: FrameSequence
-    pinhole: Lens
     orientation: Orientation
     azimuth_deg: float
 
@@ -137,15 +132,15 @@ def _unroll(block: ClosingBlock, options: ClosingOptions) -> _Unrolled:
     picture = texture_block(block.frames, orientation, surface, options.cell_mm, choice, silent)
 
     def read(frame: int) -> Gray:
-        file = block.undistorted.files[frame]
+        file = block.frames.files[frame]
         return np.asarray(cv2.imread(str(file), cv2.IMREAD_GRAYSCALE), dtype=np.uint8)
 
     tracker = Tracker(
-        NormalisedFrames(read, options.track),
-        block.pinhole,
+        read,
+        orientation.lens,
         orientation.poses,
         block.azimuth_deg,
-        cylinder.radius,
+        (surface.axis, cylinder.radius),
         options.track,
     )
     return _Unrolled(block, surface, picture, tracker)
@@ -173,31 +168,25 @@ def _marks_of_pair(
 
 def _follow(number: int, unrolled: _Unrolled, places: Array) -> tuple[Array, SharedMarks]:
     """Rough points (k, 3) and every measurement of marks at places (k, 2) of azimuth and y."""
-    block = unrolled.block
-    poses, lens = block.orientation.poses, block.orientation.lens
-    radius = np.full(len(places), float(unrolled.surface.radius_m[0, 0]))
-    points = unrolled.surface.axis.roll(places[:, 0], places[:, 1], radius)
-    home = np.abs(points[:, 1:2] - poses.centres[:, 1]).argmin(axis=1)
+    tracker = unrolled.tracker
+    where = tracker.places(places[:, 0], places[:, 1])
+    home = np.abs(places[:, 1:] - unrolled.block.orientation.poses.centres[:, 1]).argmin(axis=1)
     parts = [_none()]
     for k in np.unique(home):
         mine = np.flatnonzero(home == k)
-        original = image_points(lens, poses.rotations[k], poses.translations[k], points[mine])
-        pixels = rays_to_pixels(block.pinhole, pixels_to_rays(lens, original))
-        track = unrolled.tracker.follow(int(k), pixels, points[mine])
+        track = tracker.follow(int(k), where[mine])
         parts.append(
             replace(
                 parts[0],
                 block=np.full(len(track.point), number),
                 frame=track.frame,
                 mark=mine[track.point],
-                pixels=rays_to_pixels(lens, pixels_to_rays(block.pinhole, track.pixels)),
+                pixels=track.pixels,
             )
         )
-    whole = {
-        name: np.concatenate([getattr(p, name) for p in parts])
-        for name in ("block", "frame", "mark", "pixels")
-    }
-    return points, replace(parts[0], **whole)
+    names = ("block", "frame", "mark", "pixels")
+    whole = {name: np.concatenate([getattr(p, name) for p in parts]) for name in names}
+    return tracker.surface(where), replace(parts[0], **whole)
 
 
 def _kept(marks: SharedMarks, keep: NDArray[np.bool_]) -> SharedMarks:

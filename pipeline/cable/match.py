@@ -12,8 +12,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cable.tracking import Gray, NormalisedFrames, Track, Tracker, TrackOptions
-from pipeline.core.division import pixels_to_rays, rays_to_pixels
+from pipeline.cable.tracking import Gray, Track, Tracker, TrackOptions
+from pipeline.core.axis import AxisCurve
+from pipeline.core.division import pixels_to_rays, rays_to_pixels, undistorted_lens
 from pipeline.core.epipolar import (
     calibration_matrix,
     fundamental_from_orientation,
@@ -73,7 +74,6 @@ class TiePoints:
 
 def match_block(
     frames: FrameSequence,
-    pinhole: Lens,
     lens: Lens,
     pos: PosPriors,
     azimuth_deg: float,
@@ -84,9 +84,8 @@ def match_block(
     """Find and verify the tie points of one block.
 
     Args:
-        frames: undistorted frames.
-        pinhole: their lens.
-        lens: of the original frames, in whose pixels the result is given.
+        frames: original frames.
+        lens: theirs.
         pos: predicted orientations.
         azimuth_deg: place of the camera around the axis.
         radius_m: rough radius of the cable.
@@ -100,22 +99,23 @@ def match_block(
     def read(frame: int) -> Gray:
         return np.asarray(cv2.imread(str(frames.files[frame]), cv2.IMREAD_GRAYSCALE), dtype=np.uint8)
 
-    tracker = Tracker(
-        NormalisedFrames(read, options.track), pinhole, pos.poses, azimuth_deg, radius_m, options.track
-    )
+    pinhole = undistorted_lens(lens)
+    straight = AxisCurve(origin_y_m=0.0, coefficients=np.zeros((2, 1)))
+    tracker = Tracker(read, lens, pos.poses, azimuth_deg, (straight, radius_m), options.track)
     tracks = []
     for home in range(len(frames)):
         emit(Event(stage="match", block=frames.block, done=home, total=len(frames)))
         tracks.append(tracker.track(home))
     frame, point, pixels, starts = _merge(tracks)
-    keep, estimated, predicted = _verify(frame, point, pixels, pinhole, pos.poses, options)
+    straightened = rays_to_pixels(pinhole, pixels_to_rays(lens, pixels))
+    keep, estimated, predicted = _verify(frame, point, straightened, pinhole, pos.poses, options)
     rejected = float(1 - keep.mean()) if len(keep) else 1.0
     frame, point, pixels, starts = _prune(frame[keep], point[keep], pixels[keep], starts, options)
     _check_texture(frame, frames, options)
     return TiePoints(
         frame=frame,
         point=point,
-        pixels=rays_to_pixels(lens, pixels_to_rays(pinhole, pixels)),
+        pixels=pixels,
         starts=starts,
         epipolar_px=estimated,
         pos_epipolar_px=predicted,

@@ -10,8 +10,8 @@ edges move apart, just as they do under the lens, and *odd*, the axis bends.  Wi
 be far too small: a swelling of 0.3 mm looks like a fifth of an ordinary barrel distortion.
 
 Starting value: a line becomes x^2 + y^2 + A x + B y + C = 0 about the distortion centre, with C = 1 / lambda
-(Fitzgibbon 2001; paper, references 37 and 38).  Internally x runs along the cable, coordinates are relative to
-the principal point and in half-diagonals, and so is the lambda that is solved for.
+(Fitzgibbon 2001; paper, references 37 and 38).  Internally x runs along the cable, coordinates are relative
+to the principal point and in half-diagonals, and so is the lambda that is solved for.
 """
 
 from dataclasses import dataclass, field
@@ -33,15 +33,15 @@ class PlumbLineOptions:
         shape_sigma_mm: standard deviation of the cable's diameter, and of its axis across, about the mean.
             Raised by the fit where the edges show more.
         shortest_wave_m, longest_wave_m: range of wavelengths of that variation along the cable; its variance
-            is spread evenly over the logarithm of the wavelength.
+            is spread evenly over the logarithm of the wavelength.  Waves longer than the cable that was seen
+            matter most: a picture cannot tell half of one from the lens.
         patch_mm: errors of edge points closer than this on the cable are taken as dependent (dirt at the
             edge deceives all frames in the same way).
     """
 
     shape_sigma_mm: float = field(default=0.3, metadata={"above": 0.0})
     shortest_wave_m: float = field(default=0.1, metadata={"above": 0.0})
-    longest_wave_m: float = field(default=0.6, metadata={"above": 0.0})
-    SLOPE: float = 1.0
+    longest_wave_m: float = field(default=2.0, metadata={"above": 0.0})
     patch_mm: float = field(default=15.0, metadata={"above": 0.0})
 
 
@@ -132,7 +132,7 @@ def fit_plumb_lines(edges: PlumbEdges, scene: PlumbScene, options: PlumbLineOpti
             break
         sigma_scale *= max(grown, 1.0)
     variance = _variance_with_dependence(
-        unknowns, values, covariance, weights, residuals, noise, _patches(edges, place_m, options)
+        unknowns, values, covariance, weights * residuals, noise, _patches(edges, scene, place_m, options)
     )
     return PlumbLineFit(
         lambda_half_diagonal=float(values[0]),
@@ -181,7 +181,7 @@ def _shape_columns(
     phase = tau * (place[:, None] - place.min()) / period * number
     waves = np.concatenate([np.cos(phase), np.sin(phase)], axis=1)
     # a wave with coefficients of variance v for cosine and sine has the variance v everywhere
-    share = np.tile(number**-options.SLOPE / np.sum(number**-options.SLOPE), 2)
+    share = np.tile((1 / number) / np.sum(1 / number), 2)
     px_per_mm = scene.focal_px / (scene.standoff_m * 1000 * cosine**3)
     per_mm = px_per_mm / scene.half_diagonal_px
     even, odd = options.shape_sigma_mm / 2 * per_mm, options.shape_sigma_mm * per_mm
@@ -249,27 +249,34 @@ def _mean_heights(unknowns: _Unknowns) -> Array:
     return total / np.maximum(count, 1)
 
 
-def _patches(edges: PlumbEdges, place_m: Array, options: PlumbLineOptions) -> NDArray[np.int64]:
-    """Number (n,) of the patch of cable that each point lies on."""
-    patch = np.floor((place_m - place_m.min()) * 1000 / options.patch_mm).astype(np.int64)
-    return np.unique(2 * patch + (edges.side > 0), return_inverse=True)[1]
+def _patches(
+    edges: PlumbEdges, scene: PlumbScene, place_m: Array, options: PlumbLineOptions
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Numbers (n,) of the patch of cable, and of the part of the picture, that each point lies on."""
+    on_cable = np.floor((place_m - place_m.min()) * 1000 / options.patch_mm).astype(np.int64)
+    in_picture = np.floor(edges.points_px[:, 0] / scene.half_diagonal_px * 8 + 16).astype(np.int64)
+    second = edges.side > 0
+    return 2 * on_cable + second, 2 * in_picture + second
 
 
 def _variance_with_dependence(
     unknowns: _Unknowns,
     values: Array,
     covariance: Array,
-    weights: Array,
-    residuals: Array,
+    weighted_residuals: Array,
     noise: float,
-    patch: NDArray[np.int64],
+    patches: tuple[NDArray[np.int64], NDArray[np.int64]],
 ) -> float:
-    """Variance of lambda when errors within a patch of the cable go together (cluster-robust sandwich)."""
+    """Variance of lambda when errors on one patch of the cable, or in one part of the picture, go together.
+
+    A. C. Cameron, J. B. Gelbach and D. L. Miller, "Robust inference with multiway clustering", J. Business &
+    Economic Statistics 29(2), 2011: the excess of each grouping over independent errors is added.
+    """
     jacobian = unknowns.residuals(values)[1]
-    influence = (jacobian @ covariance[0]) * weights / noise**2
-    independent = float(np.sum(influence**2 * noise**2 / np.maximum(weights, 1e-6) * (weights > 0)))
-    together = float(np.sum(np.bincount(patch, influence * residuals) ** 2))
-    return float(covariance[0, 0]) + max(together - independent, 0.0)
+    pull = (jacobian @ covariance[0]) * weighted_residuals / noise**2
+    independent = float(np.sum(pull**2))
+    excess = [float(np.sum(np.bincount(patch, pull) ** 2)) - independent for patch in patches]
+    return float(covariance[0, 0]) + sum(max(value, 0.0) for value in excess)
 
 
 def _crookedness(points: Array, line: NDArray[np.int64], division_lambda: float) -> float:

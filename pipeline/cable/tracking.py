@@ -1,10 +1,13 @@
 """Tracking of surface points through a block's frames, each from the frame that sees it best.
 
-Takes undistorted frames, predicted orientations and the cable's rough radius; gives image points, sub-pixel.
-A template is cut once, where the camera stands nearest to the point, and is found again in every frame that
-sees it: the robot glides along the cable, so the surface only shifts in the picture, and no error adds up
-along the track.  Lighting travels with the robot; normalising each frame to its local mean and contrast
-takes it out.
+Takes original frames, their lens, predicted orientations and the cable's rough radius; gives image points,
+sub-pixel, in the original frames.  Every frame is first laid onto the predicted cylinder (a *sheet*: azimuth
+by place along the cable), where one piece of surface looks alike in all frames, near the limb too: in the
+frame itself the depth varies so much across a template there that the frames shear against each other by
+pixels.  A template is cut once, where the camera stands nearest to the point, and found again on every other
+sheet, so no error adds up along the track.  The way back from sheet to frame undoes the way there: the
+cylinder need not be the true surface.  Lighting travels with the robot; normalising to local mean and
+contrast takes it out.
 """
 
 from collections import OrderedDict
@@ -15,11 +18,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.core.cylinder_view import azimuths, image_points, meet_cylinder
+from pipeline.cable.sweep import SurfaceView, SweepGrid
+from pipeline.core.axis import AxisCurve
+from pipeline.core.cylinder_view import image_points
 from pipeline.core.vocabulary import Array, Lens, Poses
 
 Gray = NDArray[np.uint8]
 PYRAMID_LEVELS = 2
+END_SHARE = 4  # the end frames look further along the cable than the others: let them give more points
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,7 +35,7 @@ class TrackOptions:
     Attributes:
         points_per_frame: new points in each frame, spread over its own strip of surface.
         limb_deg: points further than this from the camera's azimuth are left out.
-        window_px: side of the template.
+        window_px: side of the template, in texels of about a pixel's size on the surface.
         round_trip_px: tracking there and back must end this close to the start.
         difference: largest mean difference of the normalised templates, in grey values of 255.
         normalise_px: radius of the local mean and contrast.
@@ -52,7 +58,7 @@ class Track:
         starts: (m, 3) rough positions on the cable, metres.
         frame: (k,) int64 frame of each measurement.
         point: (k,) int64 point of each measurement, 0 to m - 1.
-        pixels: (k, 2) in the undistorted frame.
+        pixels: (k, 2) in the original frames.
     """
 
     home: int
@@ -62,7 +68,7 @@ class Track:
     pixels: Array
 
 
-def normalise(image: Gray, radius_px: float) -> Gray:
+def normalise(image: NDArray[np.uint8] | NDArray[np.float32], radius_px: float) -> Gray:
     """Take out local mean and contrast: 128 + 40 standard deviations, (h, w) uint8."""
     values = image.astype(np.float32)
     mean = cv2.GaussianBlur(values, (0, 0), radius_px)
@@ -71,145 +77,189 @@ def normalise(image: Gray, radius_px: float) -> Gray:
     return np.clip(scaled, 0, 255).astype(np.uint8)
 
 
-class NormalisedFrames:
-    """Normalised frames, made when asked for; only the latest ``keep`` stay in memory.
+@dataclass(frozen=True)
+class _Sheet:
+    """One frame laid onto the cylinder: (h, w) picture, the grid's row of its first row."""
 
-    Args:
-        read: gives the grey frame k, (h, w) uint8.
-    """
-
-    def __init__(self, read: Callable[[int], Gray], options: TrackOptions, keep: int = 64) -> None:
-        self._read, self._options, self._keep = read, options, keep
-        self._held: OrderedDict[int, Gray] = OrderedDict()
-
-    def __getitem__(self, frame: int) -> Gray:
-        if frame not in self._held:
-            self._held[frame] = normalise(self._read(frame), self._options.normalise_px)
-            if len(self._held) > self._keep:
-                self._held.popitem(last=False)
-        self._held.move_to_end(frame)
-        return self._held[frame]
+    picture: Gray
+    first_row: int
 
 
 class Tracker:
     """Follows the surface of one block.
 
+    Places are (column, row) on the grid that all sheets share: columns turn around the cable by one texel,
+    rows rise along it, row 0 at y = 0.
+
     Args:
-        frames: undistorted.
-        lens: of the undistorted frames.
+        read: gives the grey original frame k, (h, w) uint8.
+        lens: of the original frames.
         poses: predicted orientations.
         azimuth_deg: of the block's camera.
-        radius_m: rough radius of the cable.
+        cylinder: axis and rough radius (m) of the cable.
+        keep: so many sheets stay in memory.
     """
 
     def __init__(
         self,
-        frames: NormalisedFrames,
+        read: Callable[[int], Gray],
         lens: Lens,
         poses: Poses,
         azimuth_deg: float,
-        radius_m: float,
+        cylinder: tuple[AxisCurve, float],
         options: TrackOptions,
+        keep: int = 64,
     ) -> None:
-        self._lens, self._poses, self._radius_m, self._options = lens, poses, radius_m, options
-        self._azimuth = np.deg2rad(azimuth_deg)
-        self._frames = frames
+        self._read, self._lens, self._poses, self._options = read, lens, poses, options
+        self._axis, self._radius_m = cylinder
+        self._along = poses.centres[:, 1]
+        away = poses.centres - self._axis.at(self._along)
+        depth_m = float(np.median(np.hypot(away[:, 0], away[:, 2]))) - self._radius_m
+        self._texel_m = depth_m / lens.focal_px
+        limb = np.deg2rad(options.limb_deg) + options.window_px / 2 * self._texel_m / self._radius_m
+        self._azimuth = np.deg2rad(azimuth_deg) + np.arange(-limb, limb, self._texel_m / self._radius_m)
+        self._reach = int(0.6 * max(lens.width_px, lens.height_px))
+        self._keep = keep
+        self._held: OrderedDict[int, _Sheet] = OrderedDict()
 
     def track(self, home: int) -> Track:
-        """Choose points in frame ``home`` and follow them both ways until they leave the picture."""
-        return self.follow(home, *self._choose(home))
+        """Choose points on the sheet of frame ``home`` and follow them both ways until they leave the
+        view."""
+        return self.follow(home, self._choose(home))
 
-    def follow(self, home: int, pixels: Array, starts: Array) -> Track:
-        """Follow given points, (m, 2) pixels in frame ``home`` and (m, 3) rough places, both ways."""
-        everything = np.arange(len(starts))
-        found = [(np.full(len(starts), home), everything, pixels)]
+    def follow(self, home: int, places: Array) -> Track:
+        """Follow points at places (m, 2) of frame ``home`` both ways."""
+        everything = np.arange(len(places))
+        found = [(np.full(len(places), home), everything, places)]
         for step in (1, -1):
-            found.extend(self._follow(home, step, pixels, starts))
+            found.extend(self._follow(home, step, places))
         frame, point, where = (np.concatenate(part) for part in zip(*found, strict=True))
-        return Track(home=home, starts=starts, frame=frame, point=point, pixels=where)
-
-    def _choose(self, home: int) -> tuple[Array, Array]:
-        """Corners on the strip of surface that frame ``home`` sees best: (m, 2) pixels, (m, 3) points."""
-        options, image = self._options, self._frames[home]
-        found = cv2.goodFeaturesToTrack(
-            image, 20 * options.points_per_frame, 0.01, minDistance=3, blockSize=7, useHarrisDetector=False
+        pixels = np.empty((len(frame), 2))
+        for k in np.unique(frame):
+            mine = frame == k
+            pixels[mine] = self._pixels(int(k), where[mine])
+        seen = self._in_frame(pixels)
+        return Track(
+            home=home,
+            starts=self.surface(places),
+            frame=frame[seen],
+            point=point[seen],
+            pixels=pixels[seen],
         )
+
+    def surface(self, places: Array) -> Array:
+        """Points of the cylinder at places (m, 2), (m, 3) metres."""
+        azimuth = self._azimuth[0] + places[:, 0] * (self._azimuth[1] - self._azimuth[0])
+        y_m = places[:, 1] * self._texel_m
+        return self._axis.roll(azimuth, y_m, np.full(len(places), self._radius_m))
+
+    def places(self, azimuth: Array, y_m: Array) -> Array:
+        """Places (m, 2) of azimuths (m,) in radians and y (m,) in metres."""
+        middle = self._azimuth.mean()
+        turned = middle + np.angle(np.exp(1j * (azimuth - middle)))
+        column = (turned - self._azimuth[0]) / (self._azimuth[1] - self._azimuth[0])
+        return np.stack([column, y_m / self._texel_m], axis=1)
+
+    def _sheet(self, frame: int) -> _Sheet:
+        if frame not in self._held:
+            middle = round(self._along[frame] / self._texel_m)
+            first = middle - self._reach
+            y_m = (first + np.arange(2 * self._reach + 1)) * self._texel_m
+            grid = SweepGrid(axis=self._axis, azimuth=self._azimuth, y_m=y_m)
+            view = SurfaceView(self._lens, self._poses, frame, grid)
+            radius = np.full((len(y_m), len(self._azimuth)), self._radius_m, dtype=np.float32)
+            picture = view.sample(self._read(frame).astype(np.float32), radius)
+            seen = view.visible(radius, 1) > 0
+            filled = np.where(seen, picture, picture[seen].mean() if seen.any() else 0)
+            normal = normalise(filled.astype(np.float32), self._options.normalise_px)
+            self._held[frame] = _Sheet(normal, first)  # all of one size: OpenCV's tracker demands it
+            if len(self._held) > self._keep:
+                self._held.popitem(last=False)
+        self._held.move_to_end(frame)
+        return self._held[frame]
+
+    def _choose(self, home: int) -> Array:
+        """Corners on the stretch of surface that frame ``home`` sees best, as places (m, 2)."""
+        options, sheet = self._options, self._sheet(home)
+        first, last = self._stretch(home)
+        mask = np.zeros_like(sheet.picture)
+        low = 0 if first is None else max(first - sheet.first_row, 0)
+        high = len(mask) if last is None else max(last - sheet.first_row, 0)
+        margin = options.window_px // 2 + 1
+        mask[max(low, margin) : min(high, len(mask) - margin), margin:-margin] = 255
+        most = options.points_per_frame * (END_SHARE if first is None or last is None else 1)
+        found = cv2.goodFeaturesToTrack(sheet.picture, most, 0.01, minDistance=3, mask=mask, blockSize=7)
         if found is None:
-            return np.zeros((0, 2)), np.zeros((0, 3))
-        refined = found[:, 0, :].astype(np.float64) + 0.5
-        points = meet_cylinder(self._lens, *self._pose(home), refined, self._radius_m)
-        turned = np.angle(np.exp(1j * (azimuths(points) - self._azimuth)))
-        first, last = self._strip(home)
-        border = options.window_px // 2 + 1
-        size = np.array([self._lens.width_px, self._lens.height_px])
-        keep = (
-            (np.abs(turned) < np.deg2rad(options.limb_deg))
-            & (points[:, 1] >= first)
-            & (points[:, 1] < last)
-            & ((refined > border) & (refined < size - border)).all(axis=1)
-        )
-        chosen = np.flatnonzero(keep)[: options.points_per_frame * self._share(home)]
-        return refined[chosen], points[chosen]
+            return np.zeros((0, 2))
+        places = found[:, 0].astype(np.float64) + [0, sheet.first_row]
+        return places[self._in_frame(self._pixels(home, places))]
 
-    def _strip(self, home: int) -> tuple[float, float]:
-        """The stretch of cable, metres, that frame ``home`` gives points to; open at the two ends."""
-        along = self._poses.centres[:, 1]
-        first = -np.inf if home == 0 else (along[home - 1] + along[home]) / 2
-        last = np.inf if home == len(along) - 1 else (along[home] + along[home + 1]) / 2
+    def _stretch(self, home: int) -> tuple[int | None, int | None]:
+        """First and last row that frame ``home`` gives points to; None where it is open at an end."""
+        along = self._along
+        first = None if home == 0 else round((along[home - 1] + along[home]) / 2 / self._texel_m)
+        last = None
+        if home < len(along) - 1:
+            last = round((along[home] + along[home + 1]) / 2 / self._texel_m)
         return first, last
 
-    def _share(self, home: int) -> int:
-        """The end frames look further along the cable than the others: let them give more points."""
-        return 4 if home in (0, len(self._poses) - 1) else 1
-
     def _follow(
-        self, home: int, step: int, pixels: Array, starts: Array
+        self, home: int, step: int, places: Array
     ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64], Array]]:
-        alive, drift = np.arange(len(starts)), np.zeros_like(pixels)
+        alive, drift = np.arange(len(places)), np.zeros_like(places)
         frame = home + step
         while 0 <= frame < len(self._poses) and len(alive):
-            predicted = image_points(self._lens, *self._pose(frame), starts[alive]) + drift[alive]
-            inside = self._inside(predicted)
-            alive, predicted = alive[inside], predicted[inside]
+            guess = places[alive] + drift[alive]
+            inside = self._on_sheet(frame, guess)
+            alive, guess = alive[inside], guess[inside]
             if not len(alive):
                 return
-            measured, good = self._find(home, frame, pixels[alive], predicted)
-            drift[alive[good]] += (measured - predicted)[good]
-            yield np.full(good.sum(), frame), alive[good], measured[good]
-            alive = alive[good]
+            measured, good = self._find(home, frame, places[alive], guess)
+            alive, measured = alive[good], measured[good]
+            drift[alive] = measured - places[alive]
+            yield np.full(len(alive), frame), alive, measured
             frame += step
 
-    def _find(
-        self, home: int, frame: int, pixels: Array, predicted: Array
-    ) -> tuple[Array, NDArray[np.bool_]]:
+    def _find(self, home: int, frame: int, places: Array, guess: Array) -> tuple[Array, NDArray[np.bool_]]:
         options = self._options
-        there, found, difference = self._flow(home, frame, pixels, predicted)
-        back, returned, _ = self._flow(frame, home, there, pixels)
-        good = found & returned & self._inside(there) & (difference < options.difference)
-        return there, good & (np.linalg.norm(back - pixels, axis=1) < options.round_trip_px)
+        there, found, difference = self._flow(home, frame, places, guess)
+        back, returned, _ = self._flow(frame, home, there, places)
+        good = found & returned & self._on_sheet(frame, there) & (difference < options.difference)
+        return there, good & (np.linalg.norm(back - places, axis=1) < options.round_trip_px)
 
     def _flow(
-        self, source: int, target: int, pixels: Array, guess: Array
+        self, source: int, target: int, places: Array, guess: Array
     ) -> tuple[Array, NDArray[np.bool_], Array]:
-        """Pyramidal Lucas-Kanade; half a pixel between our origin and OpenCV's at both ends."""
+        """Pyramidal Lucas-Kanade from sheet to sheet."""
+        one, other = self._sheet(source), self._sheet(target)
         window = (self._options.window_px, self._options.window_px)
         moved, found, difference = cv2.calcOpticalFlowPyrLK(
-            self._frames[source],
-            self._frames[target],
-            np.ascontiguousarray(pixels[:, None] - 0.5, dtype=np.float32),
-            np.ascontiguousarray(guess[:, None] - 0.5, dtype=np.float32),
+            one.picture,
+            other.picture,
+            np.ascontiguousarray((places - [0, one.first_row])[:, None], dtype=np.float32),
+            np.ascontiguousarray((guess - [0, other.first_row])[:, None], dtype=np.float32),
             winSize=window,
             maxLevel=PYRAMID_LEVELS,
             criteria=(cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 30, 0.005),
             flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
         )
-        return moved[:, 0].astype(np.float64) + 0.5, found[:, 0] == 1, difference[:, 0].astype(np.float64)
+        there = moved[:, 0].astype(np.float64) + [0, other.first_row]
+        return there, found[:, 0] == 1, difference[:, 0].astype(np.float64)
 
-    def _inside(self, pixels: Array) -> NDArray[np.bool_]:
-        border = self._options.window_px // 2 + 1
+    def _on_sheet(self, frame: int, places: Array) -> NDArray[np.bool_]:
+        """Whether the whole template lies on the frame's sheet."""
+        sheet, border = self._sheet(frame), self._options.window_px // 2 + 1
+        row = places[:, 1] - sheet.first_row
+        inside = (row > border) & (row < len(sheet.picture) - border)
+        return inside & (places[:, 0] > border) & (places[:, 0] < len(self._azimuth) - border)
+
+    def _pixels(self, frame: int, places: Array) -> Array:
+        """Where the places were looked up in the original frame, (m, 2)."""
+        rotation, translation = self._poses.rotations[frame], self._poses.translations[frame]
+        return image_points(self._lens, rotation, translation, self.surface(places))
+
+    def _in_frame(self, pixels: Array) -> NDArray[np.bool_]:
+        border = self._options.window_px / 2
         size = np.array([self._lens.width_px, self._lens.height_px])
         with np.errstate(invalid="ignore"):
             return ((pixels > border) & (pixels < size - border)).all(axis=1)
-
-    def _pose(self, frame: int) -> tuple[Array, Array]:
-        return self._poses.rotations[frame], self._poses.translations[frame]

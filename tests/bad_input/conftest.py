@@ -21,7 +21,7 @@ def survey(good_survey, tmp_path):
 
 @pytest.fixture
 def refused(survey, tmp_path):
-    """Run the survey; it must be refused in one sentence, which the call gives back, leaving nothing half done."""
+    """Run the survey: it must be refused in one sentence, leaving nothing half done; gives the sentence."""
 
     def run(*words, out=None, before="frames", **limits):
         out = out or tmp_path / "run"

@@ -1,7 +1,7 @@
 """A survey small enough to be refused in a second: a textured cylinder, ray-traced in closed form.
 
-Two cameras of five frames of 160 x 100, distortion-free, their survey.toml beside them.  Good input: each test
-spoils one thing.
+Two cameras of five frames of 160 x 100, distortion-free, their survey.toml beside them.  Good input: each
+test spoils one thing.
 """
 
 from math import cos, pi, radians, sin

@@ -26,18 +26,13 @@ POS = {
     "missing image": (POS_HEAD, without(pos_rows(), 3), ["000003.png"]),
     "duplicate name": (POS_HEAD, [*pos_rows()[:4], pos_rows()[3]], ["line 6", "3", "line 5"]),
     "NaN": (POS_HEAD, [*pos_rows()[:4], "4,0,nan,-0.3,0,0,0"], ["line 6", "y", "nan"]),
-    "no number": (POS_HEAD, [*pos_rows()[:4], "4,0,0.06,-0.3,0,0,none"], ["line 6", "roll", "none"]),
     "unknown image": (POS_HEAD, [*pos_rows()[:4], "99,0,0.06,-0.3,0,0,0"], ["line 6", "99"]),
     "no column": ("name,x,y,z,pitch,yaw", ["0,0,0,-0.3,0,0"], ["roll"]),
-    "short line": (POS_HEAD, ["0,0,0,-0.3,0,0"], ["line 2"]),
-    "empty": ("", [], ["empty"]),
 }
 
 PAIRS = {
     "unknown block": (PAIRS_HEAD, PAIR.replace("Block2", "Block9"), ["line 2", "Block9", "Block1, Block2"]),
-    "itself": (PAIRS_HEAD, PAIR.replace("Block2", "Block1"), ["line 2", "itself"]),
     "no number": (PAIRS_HEAD, PAIR.replace("0.02", "two", 1), ["line 2", "y_a", "two"]),
-    "NaN": (PAIRS_HEAD, PAIR.replace("0.02", "nan", 1), ["line 2", "y_a", "nan"]),
     "no column": (PAIRS_HEAD.replace(",z_b", ""), PAIR.rpartition(",")[0], ["z_b"]),
     "no pairs": (PAIRS_HEAD, "", ["no pairs"]),
     "binary": ("\x00\xff", "\xfe", []),
@@ -69,12 +64,10 @@ def test_a_pairs_file_that_is_not_there(refused, tmp_path):
 TRUTHS = {
     "missing": (None, []),
     "no JSON": ('{"format": 1, "stations"', ["JSON"]),
-    "no stations": ('{"format": 1}', ["stations", "missing"]),
     "no diameter": (
         '{"format": 1, "stations": [{"name": "A", "position_m": 0.02}]}',
         ["stations[0].diameter_mm"],
     ),
-    "another format": ('{"format": 3}', ["format is 3"]),
 }
 
 
@@ -86,26 +79,24 @@ def test_a_truth_that_does_not_fit(refused, tmp_path, text, named):
     assert [word for word in [str(tmp_path / "truth.json"), *named] if word not in said] == []
 
 
+STATION = {"name": "A", "position_m": 0.02, "diameter_mm": 110.1, "sigma_mm": 0.1}
+TRUTH = {"format": 1, "stations": [STATION]}
+
+
 class TestEvaluate:
     """A run folder that is broken, or belongs to another cable."""
-
-    STATION = {"name": "A", "position_m": 0.02, "diameter_mm": 110.1, "sigma_mm": 0.1}
 
     @pytest.fixture
     def evaluation(self, tmp_path):
         """Evaluate a run with this report; gives the sentence."""
 
-        def run(report, truth=None, *words):
+        def run(report, truth=None):
             (tmp_path / "run").mkdir(exist_ok=True)
             if report is not None:
                 text = report if isinstance(report, str) else json.dumps(report)
                 (tmp_path / "run" / "report.json").write_text(text)
-            true = truth or {
-                "format": 1,
-                "stations": [{"name": "A", "position_m": 0.02, "diameter_mm": 110.0}],
-            }
-            (tmp_path / "truth.json").write_text(json.dumps(true))
-            done = pipeline("evaluate", tmp_path / "run", "--truth", tmp_path / "truth.json", *words)
+            (tmp_path / "truth.json").write_text(json.dumps(truth or TRUTH))
+            done = pipeline("evaluate", tmp_path / "run", "--truth", tmp_path / "truth.json")
             assert_refused(done)
             return done.stderr
 
@@ -128,27 +119,25 @@ class TestEvaluate:
         assert "stations is missing" in evaluation({"format": 1, "name": "tiny"})
 
     def test_a_station_of_another_cable(self, evaluation):
-        said = evaluation({"format": 1, "name": "tiny", "stations": [{**self.STATION, "name": "Z"}]})
+        said = evaluation({"format": 1, "name": "tiny", "stations": [{**STATION, "name": "Z"}]})
         assert "station A" in said
 
     def test_a_station_elsewhere(self, evaluation):
-        said = evaluation({"format": 1, "name": "tiny", "stations": [{**self.STATION, "position_m": 0.05}]})
+        said = evaluation({"format": 1, "name": "tiny", "stations": [{**STATION, "position_m": 0.05}]})
         assert "station A lies at 0.05 m, in the truth at 0.02 m" in said
 
     def test_a_run_without_its_sparse_models(self, evaluation):
         pose = {"frame": 0, "cam_from_world": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0.3]]}
-        truth = {"format": 1, "stations": [self.STATION], "poses": {"Block1": [pose]}}
-        said = evaluation({"format": 1, "name": "tiny", "stations": [self.STATION]}, truth)
+        truth = {"format": 1, "stations": [STATION], "poses": {"Block1": [pose]}}
+        said = evaluation({"format": 1, "name": "tiny", "stations": [STATION]}, truth)
         assert "Block1" in said
 
     def test_figures_that_cannot_be_written(self, evaluation, tmp_path):
-        # needs a report and a truth that fit
         (tmp_path / "file").write_text("in the way")
-        report = {"format": 1, "name": "tiny", "stations": [self.STATION]}
+        report = {"format": 1, "name": "tiny", "stations": [STATION]}
         (tmp_path / "run").mkdir()
         (tmp_path / "run" / "report.json").write_text(json.dumps(report))
-        true = {"format": 1, "stations": [{"name": "A", "position_m": 0.02, "diameter_mm": 110.0}]}
-        (tmp_path / "truth.json").write_text(json.dumps(true))
+        (tmp_path / "truth.json").write_text(json.dumps(TRUTH))
         words = ("--truth", tmp_path / "truth.json", "--json", tmp_path / "file" / "evaluation.json")
         done = pipeline("evaluate", tmp_path / "run", *words)
         assert done.code == 2

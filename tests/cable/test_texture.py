@@ -48,7 +48,7 @@ def test_the_unrolled_picture_is_the_texture(picture, barrel_view):
     inner = picture.known & (np.abs(picture.azimuth) < 0.7)
     difference = (picture.colour[..., RED] - truth(picture, barrel_view))[inner]
     assert abs(difference.mean()) < 1.0
-    assert 1 < difference.std() < 9  # of a texture of 28: what a pixel of 0.6 mm cannot show
+    assert 0.3 < difference.std() < 3  # of a texture of 28
 
 
 def test_it_lies_in_place_to_a_part_of_a_texel(picture, barrel_view):
@@ -111,7 +111,7 @@ def test_what_lamp_and_lens_add_is_divided_out(unevenly_lit, barrel_orientation,
     raw, even = (
         unroll(unevenly_lit, barrel_orientation, surface, even_exposure=choice) for choice in (False, True)
     )
-    assert unevenness(raw, barrel_view) > 0.08
+    assert unevenness(raw, barrel_view) > 0.05
     assert unevenness(even, barrel_view) < 0.5 * unevenness(raw, barrel_view)
     assert likeness(even, barrel_view) > likeness(raw, barrel_view)
     assert likeness(even, barrel_view) > 0.93

@@ -16,7 +16,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 from pipeline.core.errors import Cancelled, StageError
 
 STAGE_NAMES = (
-    *("frames", "lens", "pos", "match", "adjust", "dense", "surface", "texture", "crop"),
+    *("frames", "lens", "pos", "match", "adjust", "closing", "joint", "dense", "surface", "texture", "crop"),
     *("mosaic", "ring", "measure", "report"),
 )
 
@@ -71,6 +71,11 @@ def _parser() -> argparse.ArgumentParser:
         "--set", action="append", default=[], metavar="STAGE.KEY=VALUE", help="set an option; may be repeated"
     )
     run.add_argument(
+        "--adjust",
+        choices=("joint", "blocks"),
+        help="adjust the ring together (default where the cameras share a clock) or each block alone",
+    )
+    run.add_argument(
         "--no-lens-correction", action="store_true", help="leave the lens uncorrected, to see the bent model"
     )
     run.add_argument("--language", choices=("en", "zh"), default="en", help="of the report when it opens")
@@ -101,7 +106,11 @@ def _run(chosen: argparse.Namespace) -> int:
     from pipeline.console import emitter
     from pipeline.product import make_product
 
-    assignments = (*chosen.set, *(("lens.correct=false",) if chosen.no_lens_correction else ()))
+    assignments = (
+        *chosen.set,
+        *(("lens.correct=false",) if chosen.no_lens_correction else ()),
+        *((f"joint.together={str(chosen.adjust == 'joint').lower()}",) if chosen.adjust else ()),
+    )
     summary = make_product(
         survey,
         chosen.out,

@@ -8,15 +8,17 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.cable.adjust import Orientation, adjust_block
+from pipeline.cable.closing import ClosingBlock, SharedMarks, find_shared_marks
 from pipeline.cable.crop import Crop, crop_block
 from pipeline.cable.dense import RadiusMap, sweep_block
 from pipeline.cable.frames import extract_frames
+from pipeline.cable.joint import JointBlock, RingOrientation, adjust_ring
 from pipeline.cable.lens import CableScene, solve_lens, undistort_frames
 from pipeline.cable.match import TiePoints, match_block
 from pipeline.cable.measure import Measurement, measure_ring
 from pipeline.cable.mosaic import Mosaic, MosaicBlock, PointPairs, mosaic_blocks
 from pipeline.cable.pairs import read_pairs
-from pipeline.cable.pos import pos_of_block, write_pos
+from pipeline.cable.pos import pos_of_block, robot_priors, travel_share_sigma, write_pos
 from pipeline.cable.records import BlockLens, BlockRun, CableOptions, CableRun, SurveyFrames
 from pipeline.cable.ring import Ring, build_ring
 from pipeline.cable.sources import image_files, is_video
@@ -44,6 +46,8 @@ class Chain:
             self.made[name] = self._frames()
         elif name == "mosaic":
             self.made[name] = [self._mosaic(pairs)]
+        elif name in ("closing", "joint"):
+            self.made[name] = [getattr(self, f"_{name}")()] if self._together() else []
         elif name in ("ring", "measure"):
             self.made[name] = [getattr(self, f"_{name}")()]
         else:
@@ -63,7 +67,7 @@ class Chain:
                     lens=self._value("lens", n),
                     pos=self._value("pos", n),
                     tie_points=self._value("match", n),
-                    orientation=self._value("adjust", n),
+                    orientation=self._oriented(n).value,
                     dense=self._value("dense", n),
                     surface=self._value("surface", n),
                     picture=self._value("texture", n),
@@ -71,6 +75,7 @@ class Chain:
                 )
                 for n, block in enumerate(self._survey.blocks)
             ),
+            together=self._value("joint") if self.made["joint"] else None,
             mosaic=self._value("mosaic"),
             ring=self._value("ring"),
             measurement=self._value("measure"),
@@ -182,19 +187,74 @@ class Chain:
             block=block.name,
         )
 
+    def _together(self) -> bool:
+        """Whether the cameras are adjusted as one rig: one clock, and no POS that says otherwise."""
+        survey = self._survey
+        return (
+            self._options.joint.together
+            and survey.robot.synchronised
+            and len(survey.blocks) > 1
+            and all(b.pos is None for b in survey.blocks)
+        )
+
+    def _closing(self) -> Product[SharedMarks]:
+        def make() -> SharedMarks:
+            blocks = tuple(
+                ClosingBlock(
+                    frames=self._value("frames", n),
+                    orientation=self._value("adjust", n),
+                    azimuth_deg=block.angle_deg,
+                )
+                for n, block in enumerate(self._survey.blocks)
+            )
+            return find_shared_marks(blocks, self._options.closing, self._emit)
+
+        angles = [b.angle_deg for b in self._survey.blocks]
+        needs = [*self._all("frames", "adjust"), angles, self._options.closing]
+        return self._folder.product("closing", SharedMarks, make, *needs)
+
+    def _joint(self) -> Product[RingOrientation]:
+        survey = self._survey
+        frames: FrameSequence = self._value("frames", 0)
+        robot = robot_priors(survey.robot, survey.cable, frames, self._options.pos)
+
+        def make() -> RingOrientation:
+            blocks = tuple(
+                JointBlock(
+                    name=block.name,
+                    azimuth_deg=block.angle_deg,
+                    travel_in_image=block.travel_in_image,
+                    orientation=self._value("adjust", n),
+                )
+                for n, block in enumerate(survey.blocks)
+            )
+            return adjust_ring(blocks, self._value("closing"), robot, self._options.joint, self._emit)
+
+        places = [(b.angle_deg, b.travel_in_image) for b in survey.blocks]
+        needs = [*self._all("adjust", "closing"), robot, places, self._options.joint]
+        return self._folder.product("joint", RingOrientation, make, *needs)
+
+    def _oriented(self, n: int) -> Product[Orientation]:
+        """A block's orientation that counts: from the ring where there is one."""
+        if not self.made["joint"]:
+            return self.made["adjust"][n]
+        joint = self.made["joint"][0]
+        return Product(joint.value.blocks[n], f"{joint.stamp}/{n}")
+
     def _dense(self, n: int, block: Block) -> Product[RadiusMap]:
         return self._folder.product(
             "dense",
             RadiusMap,
             lambda: sweep_block(
                 self._value("frames", n),
-                self._value("adjust", n),
+                self._oriented(n).value,
                 block.angle_deg,
                 self._options.dense,
                 self._emit,
                 self._folder.block(block.name) / "patch_match",
             ),
-            *self._needs(n, "frames", "adjust"),
+            *self._needs(n, "frames"),
+            self._oriented(n),
             block.angle_deg,
             self._options.dense,
             block=block.name,
@@ -217,13 +277,14 @@ class Chain:
             UnrolledPicture,
             lambda: texture_block(
                 self._value("frames", n),
-                self._value("adjust", n),
+                self._oriented(n).value,
                 self._value("surface", n),
                 dense.ground_sample_mm,
                 self._options.texture,
                 self._emit,
             ),
-            *self._needs(n, "frames", "adjust", "surface"),
+            *self._needs(n, "frames", "surface"),
+            self._oriented(n),
             self._options.texture,
             block=block.name,
         )
@@ -250,8 +311,8 @@ class Chain:
                 surface=self._value("surface", n),
                 keep=self._value("crop", n).keep,
                 picture=self._value("texture", n),
-                datum_origin=self._value("adjust", n).datum_origin,
-                datum_information=self._value("adjust", n).datum_information,
+                datum_origin=self._oriented(n).value.datum_origin,
+                datum_information=self._oriented(n).value.datum_information,
             )
             for n, block in enumerate(self._survey.blocks)
         )
@@ -264,10 +325,11 @@ class Chain:
 
         def make() -> Mosaic:
             given: tuple[PointPairs, ...] | None = read_pairs(pairs, names) if pairs else None
-            return mosaic_blocks(self._joined(), given, self._options.mosaic, self._emit)
+            settled = self._value("joint").covariance if self.made["joint"] else None
+            return mosaic_blocks(self._joined(), given, settled, self._options.mosaic, self._emit)
 
         needs = [
-            *self._all("surface", "crop", "texture", "adjust"),
+            *self._all("surface", "crop", "texture", "adjust", "joint"),
             stamp_file(pairs) if pairs else None,
             self._options.mosaic,
         ]
@@ -293,7 +355,8 @@ class Chain:
     def _measure(self) -> Product[Measurement]:
         survey = self._survey
         stations = tuple((s.name, s.position_m) for s in survey.cable.stations)
-        lenses: list[Lens] = [p.value.solution.lens for p in self.made["lens"]]
+        focal_sigmas = self._focal_sigmas()
+        travel_share = travel_share_sigma(survey.cable, self._options.pos)
         return self._folder.product(
             "measure",
             Measurement,
@@ -303,17 +366,27 @@ class Chain:
                 self._value("mosaic"),
                 self._value("ring"),
                 tuple(p.value.noise_mm for p in self.made["dense"]),
-                tuple(lens.focal_sigma_px / lens.focal_px for lens in lenses),
+                focal_sigmas,
+                travel_share,
                 stations,
                 survey.cable.travel_m,
                 self._options.measure,
                 self._emit,
             ),
-            *self._all("surface", "crop", "dense", "lens", "mosaic", "ring"),
+            *self._all("surface", "crop", "dense", "mosaic", "ring"),
+            focal_sigmas,
+            travel_share,
             stations,
             survey.cable.travel_m,
             self._options.measure,
         )
+
+    def _focal_sigmas(self) -> tuple[float, ...]:
+        """Relative standard deviations of the focal lengths: as adjusted in the ring, else as stated."""
+        if self.made["joint"]:
+            return tuple(float(s) for s in self._value("joint").focal_sigmas)
+        lenses: list[Lens] = [p.value.solution.lens for p in self.made["lens"]]
+        return tuple(lens.focal_sigma_px / lens.focal_px for lens in lenses)
 
 
 def _source_files(block: Block) -> tuple[Path, ...]:

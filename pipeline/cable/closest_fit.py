@@ -116,7 +116,7 @@ def fit_pieces(
 
     Args:
         start: first guess; the pieces' own places are the prior.
-        information: (b, 7, 7) weight with which each piece is held in its own place.
+        information: (7 b, 7 b) weight with which the pieces are held in their own places.
         ties: the ties for a placement; surface feet move with it.
         iterations: most steps.
     """
@@ -132,14 +132,8 @@ def fit_pieces(
 
 
 def _normals(placement: Placement, information: Array, ties: list[Tie]) -> tuple[Array, Array]:
-    pieces = len(placement.origins)
-    matrix = np.zeros((pieces * PARAMETERS, pieces * PARAMETERS))
-    right = np.zeros(pieces * PARAMETERS)
-    deviation = placement.deviation()
-    for piece in range(pieces):
-        at = slice(piece * PARAMETERS, (piece + 1) * PARAMETERS)
-        matrix[at, at] += information[piece]
-        right[at] -= information[piece] @ deviation[piece]
+    matrix = information.copy()
+    right = -information @ placement.deviation().ravel()
     for tie in ties:
         residuals = tie.residuals(placement)
         root = np.sqrt(1 / (1 + np.sum(residuals**2, axis=1) / 9))

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from pipeline.cable.adjust import Orientation
 from pipeline.cable.closing import SharedMarks
+from pipeline.cable.pos import RobotPriors
 from pipeline.core.bundle import BundleOptions, BundleResult, RigPriors, adjust_bundle, intersect_points
 from pipeline.core.division import coefficient, parameters, with_parameters
 from pipeline.core.events import Emit, Event
@@ -33,6 +34,7 @@ class JointOptions:
     """How the ring is adjusted.
 
     Attributes:
+        together: false leaves the blocks as they were adjusted alone, as in the paper.
         sigma_px: standard deviation of an image measurement.
         shared_sigma_px: of a mark matched between two blocks; all its measurements share the matching's
             error.
@@ -41,28 +43,12 @@ class JointOptions:
         principal_point_share: standard deviation of an uncalibrated principal point, as a share of the width.
     """
 
+    together: bool = True
     sigma_px: float = 0.1
     shared_sigma_px: float = 0.6
     loss_scales_px: tuple[float, ...] = (20.0, 1.0)
     points_per_block: int = 2500
     principal_point_share: float = 0.01
-
-
-@dataclass(frozen=True, kw_only=True)
-class RobotPriors:
-    """What is known of the robot before any image is looked at; standard deviations in metres and radians.
-
-    Attributes:
-        y_m: (frames,) the body's place along the cable.
-        body_sigmas: (frames, 6) rotation, then place.
-        standoff_m: from each camera to the axis.
-        mount_sigmas: (6,) of a camera on the body: rotation, then place.
-    """
-
-    y_m: Array
-    body_sigmas: Array
-    standoff_m: float
-    mount_sigmas: Array
 
 
 @dataclass(frozen=True, kw_only=True)

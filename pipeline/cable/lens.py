@@ -14,15 +14,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from pipeline.cable.plumb_lines import (
-    PlumbEdges,
-    PlumbLineFit,
-    PlumbLineOptions,
-    PlumbScene,
-    fit_plumb_lines,
-)
+from pipeline.cable.plumb_lines import fit_plumb_lines
+from pipeline.cable.plumb_records import PlumbEdges, PlumbLineFit, PlumbLineOptions, PlumbScene
 from pipeline.cable.silhouette import Image, Silhouette, SilhouetteOptions, find_silhouette
-from pipeline.core.division import check, radius_unit_px, undistorted_lens, undistortion_maps
+from pipeline.core.division import check, pixels_to_rays, radius_unit_px, undistorted_lens, undistortion_maps
 from pipeline.core.errors import StageError
 from pipeline.core.events import Emit, Event
 from pipeline.core.files import write_png
@@ -82,11 +77,13 @@ class LensSolution:
     Attributes:
         lens: with lambda and its sigma; the focal length stays as stated.
         method: where lambda came from.
+        apparent_radius_m: radius of the cable by its outline and the stand-off; NaN where none was seen.
         plumb_lines: diagnostics, where lambda was estimated.
     """
 
     lens: Lens
     method: LensMethod
+    apparent_radius_m: float
     plumb_lines: PlumbLineFit | None = None
 
 
@@ -118,9 +115,14 @@ def solve_lens(
     if not estimate:
         lens = lens if options.correct else replace(lens, division_lambda=0.0, lambda_sigma=0.0)
         check(lens)
-        if options.need_outline:
-            _silhouettes(frames, lens, travel_in_image, replace(options, most_frames=3), scene, emit)
-        return LensSolution(lens=lens, method=LensMethod.GIVEN if options.correct else LensMethod.NONE)
+        share = options.missing_share if options.need_outline else 1.0
+        few = replace(options, most_frames=3, missing_share=share)
+        found = _silhouettes(frames, lens, travel_in_image, few, scene, emit)
+        return LensSolution(
+            lens=lens,
+            method=LensMethod.GIVEN if options.correct else LensMethod.NONE,
+            apparent_radius_m=_apparent_radius_m(found, lens, travel_in_image, scene),
+        )
     found = _silhouettes(frames, lens, travel_in_image, options, scene, emit)
     fit = fit_plumb_lines(
         _edges(found, lens, travel_in_image),
@@ -134,7 +136,12 @@ def solve_lens(
         lambda_sigma=float(fit.sigma * per_unit),
     )
     check(solved)
-    return LensSolution(lens=solved, method=LensMethod.PLUMB_LINES, plumb_lines=fit)
+    return LensSolution(
+        lens=solved,
+        method=LensMethod.PLUMB_LINES,
+        apparent_radius_m=_apparent_radius_m(found, solved, travel_in_image, scene),
+        plumb_lines=fit,
+    )
 
 
 def undistort_frames(
@@ -211,6 +218,21 @@ def _expected_width_px(lens: Lens, diameter_m: float, standoff_m: float) -> floa
     """Width of a cylinder's outline: twice f tan(asin(r / D))."""
     ratio = min(diameter_m / 2 / standoff_m, 0.95)
     return 2 * lens.focal_px * tan(asin(ratio))
+
+
+def _apparent_radius_m(
+    found: dict[int, Silhouette], lens: Lens, travel: TravelDirection, scene: CableScene
+) -> float:
+    """Median over the frames of D sin(b), where the rays that touch the cable enclose the angle 2 b."""
+    across = 0 if travel in (TravelDirection.UP, TravelDirection.DOWN) else 1
+    half_angles = []
+    for silhouette in found.values():
+        limits = [
+            np.median(np.arctan(pixels_to_rays(lens, edge)[:, across]))
+            for edge in (silhouette.first, silhouette.second)
+        ]
+        half_angles.append((limits[1] - limits[0]) / 2)
+    return float(scene.standoff_m * np.sin(np.median(half_angles))) if half_angles else float("nan")
 
 
 def _edges(found: dict[int, Silhouette], lens: Lens, travel: TravelDirection) -> PlumbEdges:

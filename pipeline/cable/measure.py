@@ -112,6 +112,7 @@ def measure_ring(
     ring: Ring,
     noise_mm: tuple[float, ...],
     focal_sigmas: tuple[float, ...],
+    travel_share_sigma: float,
     stations: tuple[tuple[str, float], ...],
     travel_m: float,
     options: MeasureOptions,
@@ -123,6 +124,7 @@ def measure_ring(
         blocks, crops, mosaic, ring: the model.
         noise_mm: of a cell's radius, one a block.
         focal_sigmas: relative standard deviation of each block's focal length; 0 takes the option's.
+        travel_share_sigma: relative standard deviation of the travel: the scale of everything.
         stations: names and positions, metres.
         travel_m: length of the profile.
         options: see there.
@@ -133,7 +135,7 @@ def measure_ring(
     """
     cutter = _Cutter(blocks, crops, mosaic, ring, options)
     focal = np.array([s if s > 0 else options.focal_relative_sigma for s in focal_sigmas])
-    spread = _Spread(mosaic, ring, np.asarray(noise_mm), focal)
+    spread = _Spread(mosaic, ring, np.asarray(noise_mm), focal, travel_share_sigma)
     sections, unmeasured = [], []
     for number, (name, position) in enumerate(stations):
         emit(Event(stage="measure", done=number, total=len(stations) + 1))
@@ -211,8 +213,10 @@ class _Cutter:
 class _Spread:
     """Carries the blocks' uncertainty to a diameter."""
 
-    def __init__(self, mosaic: Mosaic, ring: Ring, noise_mm: Array, focal_sigmas: Array) -> None:
-        self._mosaic, self._ring = mosaic, ring
+    def __init__(
+        self, mosaic: Mosaic, ring: Ring, noise_mm: Array, focal_sigmas: Array, travel_share: float
+    ) -> None:
+        self._mosaic, self._ring, self._travel_share = mosaic, ring, travel_share
         self._noise_mm, self._focal = noise_mm, focal_sigmas
 
     def sigmas_mm(self, cut: _Cut, circle: Circle) -> tuple[float, float, float]:
@@ -221,7 +225,8 @@ class _Spread:
         design = np.column_stack([np.ones_like(angle), np.cos(angle), np.sin(angle)])
         weighted = design * cut.weights[:, None]
         gain = 2 * np.linalg.solve(weighted.T @ design, weighted.T)[0]  # of the diameter by radial shifts
-        return self._image(cut, gain), self._scale(cut, gain, angle), self._lens(cut, gain)
+        scale = float(np.hypot(self._scale(cut, gain, angle), 2 * circle.radius * self._travel_share))
+        return self._image(cut, gain), scale, self._lens(cut, gain)
 
     def _image(self, cut: _Cut, gain: Array) -> float:
         """Windows of the sweep overlap their neighbours: bins are taken as alike over about three."""

@@ -11,9 +11,10 @@ from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 from scipy.ndimage import map_coordinates
 
-from pipeline.cable.closest_fit import PARAMETERS, Fit, Placement, Tie, fit_pieces
+from pipeline.cable.closest_fit import Fit, Placement, Tie, fit_pieces
 from pipeline.cable.surface import BlockSurface, smoothed
 from pipeline.cable.texture import UnrolledPicture
 from pipeline.cable.unrolled_match import UnrolledMatchOptions, match_unrolled
@@ -104,6 +105,7 @@ class Mosaic:
 def mosaic_blocks(
     blocks: tuple[MosaicBlock, ...],
     given: tuple[PointPairs, ...] | None,
+    settled: Array | None,
     options: MosaicOptions,
     emit: Emit,
 ) -> Mosaic:
@@ -112,6 +114,8 @@ def mosaic_blocks(
     Args:
         blocks: in any order.
         given: pairs chosen by hand; they replace the automatic ones.
+        settled: (7 b, 7 b) covariance of blocks that were adjusted together: they stay where they are, unless
+            pairs are given, and it is only told how well they fit.
         options: see there.
         emit: progress, one event a pair of neighbours.
     """
@@ -122,8 +126,13 @@ def mosaic_blocks(
         shifts=np.zeros((len(blocks), 3)),
         scales=np.ones(len(blocks)),
     )
-    information = np.stack([b.datum_information for b in blocks])
     facing = _Facing(blocks, pairs, options)
+    if settled is not None and given is None:
+        stay = Fit(placement=start, covariance=settled)
+        held = [_best_pair(p, start, options) for p in pairs]
+        joins = tuple(facing.describe(p, h, stay) for p, h in zip(pairs, held, strict=True))
+        return Mosaic(placement=start, covariance=settled, joins=joins)
+    information = block_diag(*(b.datum_information for b in blocks))
     free = fit_pieces(start, information, lambda p: [*facing.pair_ties(p), *facing.surface_ties(p)])
     held = [_best_pair(p, free.placement, options) for p in pairs]
     if options.single_point:
@@ -284,9 +293,3 @@ class _Facing:
             out = _directions(placement.apply(first, points))[2]
             whitening[:, 2] = out * 1000 / self._options.surface_mm
         return Tie(first=first, second=second, points_first=points, points_second=feet, whitening=whitening)
-
-
-def block_covariance(mosaic: Mosaic, first: int, second: int) -> Array:
-    """Covariance (7, 7) between the parameters of two blocks."""
-    a, b = first * PARAMETERS, second * PARAMETERS
-    return mosaic.covariance[a : a + PARAMETERS, b : b + PARAMETERS]

@@ -15,7 +15,22 @@ from pipeline.cable.survey_records import Block, Cable, Robot, Survey
 from pipeline.core.rotations import nominal_pose
 from pipeline.core.vocabulary import Array, FrameSequence, PosPriors
 
-__all__ = ["PosOptions", "construct_pos", "pos_of_block", "read_pos", "write_pos"]
+LOOSE = 3.0
+"""How much looser than its own wander a frame's place along the cable is held in the joint adjustment."""
+
+END_SIGMA_M = 2e-5
+"""How tightly the ends of the travel are held there."""
+
+__all__ = [
+    "PosOptions",
+    "RobotPriors",
+    "construct_pos",
+    "pos_of_block",
+    "read_pos",
+    "robot_priors",
+    "travel_share_sigma",
+    "write_pos",
+]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,11 +49,53 @@ class PosOptions:
     sway_deg: float = field(default=0.3, metadata={"above": 0.0})
     sway_mm: float = field(default=0.7, metadata={"above": 0.0})
     wander_mm: float = field(default=1.0, metadata={"minimum": 0.0})
-    travel_mm: float = field(default=0.2, metadata={"minimum": 0.0})
+    travel_mm: float = field(default=0.05, metadata={"minimum": 0.0})
     mounting_deg: float = field(default=0.3, metadata={"minimum": 0.0})
     mounting_mm: float = field(default=0.5, metadata={"minimum": 0.0})
     measured_deg: float = field(default=0.1, metadata={"above": 0.0})
     measured_mm: float = field(default=1.0, metadata={"above": 0.0})
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobotPriors:
+    """What is known of the robot before any image is looked at; standard deviations in metres and radians.
+
+    Attributes:
+        y_m: (frames,) the body's place along the cable.
+        body_sigmas: (frames, 6) rotation, then place.
+        standoff_m: from each camera to the axis.
+        mount_sigmas: (6,) of a camera on the body: rotation, then place.
+    """
+
+    y_m: Array
+    body_sigmas: Array
+    standoff_m: float
+    mount_sigmas: Array
+
+
+def robot_priors(robot: Robot, cable: Cable, frames: FrameSequence, options: PosOptions) -> RobotPriors:
+    """What the constructed POS says of the robot itself, for the joint adjustment of its cameras.
+
+    The ends of the travel are held: they are what gives the model its scale, and how well they are known is
+    added to the result as a whole.  Between them the speed wanders smoothly, so one frame's place says little
+    that its neighbours' do not: each gets the sigma of a bridge, LOOSE times.
+    """
+    y_m = sequence_positions(frames, cable.travel_m)
+    fraction = y_m / cable.travel_m
+    bridge = LOOSE * options.wander_mm / 1000 * 2 * np.sqrt(fraction * (1 - fraction))
+    body = np.empty((len(y_m), 6))
+    body[:, :3] = radians(options.sway_deg)
+    body[:, 3:] = options.sway_mm / 1000
+    body[:, 4] = np.hypot(bridge, END_SIGMA_M)
+    mount = [radians(options.mounting_deg)] * 3 + [options.mounting_mm / 1000] * 3
+    return RobotPriors(
+        y_m=y_m, body_sigmas=body, standoff_m=robot.standoff_m, mount_sigmas=np.maximum(mount, 1e-7)
+    )
+
+
+def travel_share_sigma(cable: Cable, options: PosOptions) -> float:
+    """Relative standard deviation of the travel, and so of every length in the model."""
+    return options.travel_mm / 1000 / cable.travel_m
 
 
 def pos_of_block(survey: Survey, block: Block, frames: FrameSequence, options: PosOptions) -> PosPriors:

@@ -3,9 +3,11 @@
 from dataclasses import dataclass, field
 
 from pipeline.cable.adjust import AdjustOptions, Orientation
+from pipeline.cable.closing import ClosingOptions
 from pipeline.cable.crop import Crop, CropOptions
 from pipeline.cable.dense import DenseOptions, RadiusMap
 from pipeline.cable.frames import FrameOptions
+from pipeline.cable.joint import JointOptions, RingOrientation
 from pipeline.cable.lens import LensOptions, LensSolution
 from pipeline.cable.match import MatchOptions, TiePoints
 from pipeline.cable.measure import Measurement, MeasureOptions
@@ -27,6 +29,8 @@ class CableOptions:
     pos: PosOptions = field(default_factory=PosOptions)
     match: MatchOptions = field(default_factory=MatchOptions)
     adjust: AdjustOptions = field(default_factory=AdjustOptions)
+    closing: ClosingOptions = field(default_factory=ClosingOptions)
+    joint: JointOptions = field(default_factory=JointOptions)
     dense: DenseOptions = field(default_factory=DenseOptions)
     surface: SurfaceOptions = field(default_factory=SurfaceOptions)
     texture: TextureOptions = field(default_factory=TextureOptions)
@@ -70,11 +74,12 @@ class BlockRun:
 
 @dataclass(frozen=True, kw_only=True)
 class CableRun:
-    """Everything the pipeline found."""
+    """Everything the pipeline found; ``together`` is None where the blocks were adjusted alone."""
 
     survey: Survey
     options: CableOptions
     blocks: tuple[BlockRun, ...]
+    together: RingOrientation | None
     mosaic: Mosaic
     ring: Ring
     measurement: Measurement

@@ -20,6 +20,8 @@ STAGES = (
     "pos",
     "match",
     "adjust",
+    "closing",
+    "joint",
     "dense",
     "surface",
     "texture",

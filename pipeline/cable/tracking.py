@@ -191,7 +191,7 @@ class Tracker:
         found = cv2.goodFeaturesToTrack(sheet.picture, most, 0.01, minDistance=3, mask=mask, blockSize=7)
         if found is None:
             return np.zeros((0, 2))
-        places = found[:, 0].astype(np.float64) + [0, sheet.first_row]
+        places = found[:, 0].astype(np.float64) + np.array([0, sheet.first_row])
         return places[self._in_frame(self._pixels(home, places))]
 
     def _stretch(self, home: int) -> tuple[int | None, int | None]:
@@ -243,8 +243,9 @@ class Tracker:
             criteria=(cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 30, 0.005),
             flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
         )
-        there = moved[:, 0].astype(np.float64) + [0, other.first_row]
-        return there, found[:, 0] == 1, difference[:, 0].astype(np.float64)
+        there = moved[:, 0].astype(np.float64) + np.array([0, other.first_row])
+        lost = found[:, 0] != 1  # OpenCV leaves whatever stood there
+        return there, ~lost, np.where(lost, np.inf, np.nan_to_num(difference[:, 0], nan=np.inf))
 
     def _on_sheet(self, frame: int, places: Array) -> NDArray[np.bool_]:
         """Whether the whole template lies on the frame's sheet."""

@@ -1,16 +1,10 @@
 """Recordings that cannot be worked with are refused by the name of the file and the number of the frame."""
 
-import cv2
 import pytest
 
 from tests.bad_input import cylinder
 
 PROMISED = cylinder.FRAMES
-
-
-def use(survey, source):
-    toml = survey / "survey.toml"
-    toml.write_text(toml.read_text().replace("block2.mp4", source))
 
 
 def cut(path, share):
@@ -24,13 +18,6 @@ def test_a_truncated_video_tells_how_much_of_it_is_there(survey, refused):
     assert str(survey / "block2.mp4") in said
     assert "truncated" in said
     assert f"promises {PROMISED} frames" in said
-
-
-def test_a_video_of_which_next_to_nothing_is_left(survey, refused):
-    cut(survey / "block2.mp4", 0.02)
-    said = refused(before="lens")
-    assert str(survey / "block2.mp4") in said
-    assert "truncated" in said
 
 
 @pytest.mark.parametrize("content", [b"", b"This is no video.\n" * 100], ids=["empty", "text"])
@@ -71,7 +58,7 @@ def test_too_few_frames(survey, refused):
     assert "2 frames" in said
 
 
-@pytest.mark.parametrize("division_lambda", [-1.0, -5.0, 1.3])
+@pytest.mark.parametrize("division_lambda", [-1.0, 1.3])
 def test_a_lens_that_folds_within_its_picture(survey, refused, division_lambda):
     toml = survey / "survey.toml"
     toml.write_text(toml.read_text().replace("division_lambda = 0.0", f"division_lambda = {division_lambda}"))
@@ -79,40 +66,3 @@ def test_a_lens_that_folds_within_its_picture(survey, refused, division_lambda):
     assert "block[Block1].lens" in said
     assert f"division_lambda = {division_lambda:g}" in said
     assert "folds" in said
-
-
-def test_a_principal_point_beside_the_picture(survey, refused):
-    toml = survey / "survey.toml"
-    text = toml.read_text().replace(
-        "focal_px = 120.0", "focal_px = 120.0\nprincipal_point_px = [80.0, 101.0]"
-    )
-    toml.write_text(text)
-    said = refused(before="lens")
-    assert "block[Block1].lens.principal_point_px" in said
-
-
-class TestFoldersOfImages:
-    @pytest.fixture
-    def folder(self, survey):
-        (survey / "images").mkdir()
-        for number, image in enumerate(cylinder.views(90.0)):
-            cv2.imwrite(str(survey / "images" / f"{number:03d}.png"), image)
-        use(survey, "images")
-        return survey / "images"
-
-    def test_an_empty_one(self, folder, refused):
-        for path in folder.iterdir():
-            path.unlink()
-        said = refused(before="lens")
-        assert str(folder) in said
-        assert "holds no images" in said
-
-    def test_one_with_half_an_image(self, folder, refused):
-        cut(folder / "002.png", 0.01)
-        assert str(folder / "002.png") in refused(before="lens")
-
-    def test_one_with_an_image_of_another_size(self, folder, refused):
-        cv2.imwrite(str(folder / "002.png"), cylinder.sky()[:80, :100])
-        said = refused(before="lens")
-        assert f"{folder / '002.png'} is 100 x 80" in said
-        assert "160 x 100" in said

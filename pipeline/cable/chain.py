@@ -13,7 +13,7 @@ from pipeline.cable.crop import Crop, crop_block
 from pipeline.cable.dense import RadiusMap, sweep_block
 from pipeline.cable.frames import extract_frames
 from pipeline.cable.joint import JointBlock, RingOrientation, adjust_ring
-from pipeline.cable.lens import CableScene, solve_lens, undistort_frames
+from pipeline.cable.lens import CableScene, LensSolution, solve_lens, undistort_frames
 from pipeline.cable.match import TiePoints, match_block
 from pipeline.cable.measure import Measurement, measure_ring
 from pipeline.cable.mosaic import Mosaic, MosaicBlock, PointPairs, mosaic_blocks
@@ -150,8 +150,7 @@ class Chain:
 
     def _match(self, n: int, block: Block) -> Product[TiePoints]:
         lens: BlockLens = self._value("lens", n)
-        nominal = self._survey.cable.diameter_mm
-        radius_m = nominal / 2000 if nominal else lens.solution.apparent_radius_m
+        radius_m = self._rough_radius_m(lens.solution)
         needs = [*self._needs(n, "lens", "pos"), block.angle_deg, radius_m, self._options.match]
         return self._folder.product(
             "match",
@@ -168,6 +167,17 @@ class Chain:
             *needs,
             block=block.name,
         )
+
+    def _rough_radius_m(self, lens: LensSolution) -> float:
+        nominal = self._survey.cable.diameter_mm
+        radius_m = nominal / 2000 if nominal else lens.apparent_radius_m
+        if not radius_m > 0:
+            raise StageError(
+                "match",
+                "the cable's rough diameter is not known, for its outline was not found",
+                "give cable.diameter_mm in survey.toml",
+            )
+        return radius_m
 
     def _adjust(self, n: int, block: Block) -> Product[Orientation]:
         lens: BlockLens = self._value("lens", n)

@@ -1,7 +1,7 @@
 """Long smooth edges through a picture, traced by dynamic programming.
 
-Takes a colour image in which the edges run roughly along x; gives, for each row of the middle, the strength of
-the best trace through it.  Leaves out which traces are the cable's (:mod:`pipeline.cable.silhouette`).
+Takes a colour image in which the edges run roughly along x; gives, for each row of the middle, the strength
+of the best trace through it.  Leaves out which traces are the cable's (:mod:`pipeline.cable.silhouette`).
 """
 
 from dataclasses import dataclass

@@ -113,7 +113,7 @@ def mosaic_blocks(
 
     Args:
         blocks: in any order.
-        given: pairs chosen by hand; they replace the automatic ones.
+        given: pairs chosen by hand; they replace the automatic ones, and the first of each two blocks is held.
         settled: (7 b, 7 b) covariance of blocks that were adjusted together: they stay where they are, unless
             pairs are given, and it is only told how well they fit.
         options: see there.
@@ -134,7 +134,7 @@ def mosaic_blocks(
         return Mosaic(placement=start, covariance=settled, joins=joins)
     information = block_diag(*(b.datum_information for b in blocks))
     free = fit_pieces(start, information, lambda p: [*facing.pair_ties(p), *facing.surface_ties(p)])
-    held = [_best_pair(p, free.placement, options) for p in pairs]
+    held = [_best_pair(p, free.placement, options) if given is None else _pair(p, 0) for p in pairs]
     if options.single_point:
         facing = _Facing(blocks, tuple(held), options)
     final = fit_pieces(
@@ -188,12 +188,15 @@ def lookup(surface: BlockSurface, values: NDArray[np.floating], azimuth: Array, 
 def _best_pair(pairs: PointPairs, placement: Placement, options: MosaicOptions) -> PointPairs:
     """The pair nearest to where all of them agree: holding it together bends nothing."""
     tie = _pair_tie(pairs, placement, options)
-    best = int(np.argmin(np.sum(tie.residuals(placement) ** 2, axis=1)))
+    return _pair(pairs, int(np.argmin(np.sum(tie.residuals(placement) ** 2, axis=1))))
+
+
+def _pair(pairs: PointPairs, number: int) -> PointPairs:
     return PointPairs(
         first=pairs.first,
         second=pairs.second,
-        points_first=pairs.points_first[best : best + 1],
-        points_second=pairs.points_second[best : best + 1],
+        points_first=pairs.points_first[number : number + 1],
+        points_second=pairs.points_second[number : number + 1],
     )
 
 

@@ -25,6 +25,7 @@ from pipeline.cable.sources import image_files, is_video
 from pipeline.cable.surface import BlockSurface, build_surface
 from pipeline.cable.survey import Block, Survey
 from pipeline.cable.texture import UnrolledPicture, texture_block
+from pipeline.core.errors import StageError
 from pipeline.core.events import Emit, Event, part
 from pipeline.core.runfolder import Product, RunFolder
 from pipeline.core.store import stamp_file

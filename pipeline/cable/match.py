@@ -29,6 +29,10 @@ from pipeline.core.fundamental import FundamentalOptions, estimate_fundamental
 from pipeline.core.vocabulary import Array, FrameSequence, Lens, Poses, PosPriors
 
 
+ESTIMATE_FROM = 400
+"""About so many pairs of points are enough to estimate a fundamental matrix; all are checked against it."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class MatchOptions:
     """How tie points are found and verified.

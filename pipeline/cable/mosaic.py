@@ -113,7 +113,7 @@ def mosaic_blocks(
 
     Args:
         blocks: in any order.
-        given: pairs chosen by hand; they replace the automatic ones, and the first of each two blocks is held.
+        given: pairs chosen by hand, in place of automatic ones; the first of each two blocks is held.
         settled: (7 b, 7 b) covariance of blocks that were adjusted together: they stay where they are, unless
             pairs are given, and it is only told how well they fit.
         options: see there.

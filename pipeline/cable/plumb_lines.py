@@ -25,6 +25,9 @@ from pipeline.core.errors import StageError
 from pipeline.core.fits.robust import FitOptions, Loss, Prior, solve
 from pipeline.core.vocabulary import Array
 
+LEAST_NOISE = 2e-5
+"""No edge point is better than this, half-diagonals (0.01 px in 960 x 600)."""
+
 
 def fit_plumb_lines(edges: PlumbEdges, scene: PlumbScene, options: PlumbLineOptions) -> PlumbLineFit:
     """Estimate lambda from the edges.
@@ -157,7 +160,7 @@ def _adjust(unknowns: _Unknowns, start: float, spread: Array) -> tuple[Array, Ar
         unknowns.residuals,
         values,
         weights=weights,
-        options=FitOptions(loss=Loss.TUKEY, iterations=20),
+        options=FitOptions(loss=Loss.TUKEY, least_noise_sigma=LEAST_NOISE, iterations=20),
         prior=prior,
     )
     return found.values, found.covariance, found.residuals, found.noise_sigma, found.robust_weights

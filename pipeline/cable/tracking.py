@@ -230,22 +230,32 @@ class Tracker:
     def _flow(
         self, source: int, target: int, places: Array, guess: Array
     ) -> tuple[Array, NDArray[np.bool_], Array]:
-        """Pyramidal Lucas-Kanade from sheet to sheet."""
+        """Pyramidal Lucas-Kanade from sheet to sheet, on no more of them than the points need."""
         one, other = self._sheet(source), self._sheet(target)
+        first, second = self._strips(places[:, 1] - one.first_row, guess[:, 1] - other.first_row)
         window = (self._options.window_px, self._options.window_px)
         moved, found, difference = cv2.calcOpticalFlowPyrLK(
-            one.picture,
-            other.picture,
-            np.ascontiguousarray((places - [0, one.first_row])[:, None], dtype=np.float32),
-            np.ascontiguousarray((guess - [0, other.first_row])[:, None], dtype=np.float32),
+            one.picture[first],
+            other.picture[second],
+            np.ascontiguousarray((places - [0, one.first_row + first.start])[:, None], dtype=np.float32),
+            np.ascontiguousarray((guess - [0, other.first_row + second.start])[:, None], dtype=np.float32),
             winSize=window,
             maxLevel=PYRAMID_LEVELS,
             criteria=(cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 30, 0.005),
             flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
         )
-        there = moved[:, 0].astype(np.float64) + np.array([0, other.first_row])
+        there = moved[:, 0].astype(np.float64) + np.array([0, other.first_row + second.start])
         lost = found[:, 0] != 1  # OpenCV leaves whatever stood there
         return there, ~lost, np.where(lost, np.inf, np.nan_to_num(difference[:, 0], nan=np.inf))
+
+    def _strips(self, rows: Array, guessed_rows: Array) -> tuple[slice, slice]:
+        """Two strips of sheet, of one height, that hold the points with room for the coarsest template."""
+        height, margin = 2 * self._reach + 1, self._options.window_px << PYRAMID_LEVELS
+        lows = [int(r.min()) - margin for r in (rows, guessed_rows)]
+        highs = [int(r.max()) + margin for r in (rows, guessed_rows)]
+        size = min(max(high - low for low, high in zip(lows, highs, strict=True)), height)
+        starts = [min(max(low, 0), height - size) for low in lows]
+        return slice(starts[0], starts[0] + size), slice(starts[1], starts[1] + size)
 
     def _on_sheet(self, frame: int, places: Array) -> NDArray[np.bool_]:
         """Whether the whole template lies on the frame's sheet."""

@@ -27,6 +27,8 @@ class UnrolledMatchOptions:
         search_mm: largest shift between the pictures.
         least_score: smallest correlation of a patch.
         agreement_mm: largest distance from the common shift.
+        least_share: so many of the well correlated corners must agree on it; of true neighbours nearly all
+            do, of strangers a tenth by chance.
         round_trip_mm: tracking there and back must end this close to the start.
     """
 
@@ -35,6 +37,7 @@ class UnrolledMatchOptions:
     search_mm: float = field(default=4.0, metadata={"above": 0.0})
     least_score: float = field(default=0.55, metadata={"minimum": 0.0, "maximum": 1.0})
     agreement_mm: float = field(default=0.4, metadata={"above": 0.0})
+    least_share: float = field(default=0.3, metadata={"minimum": 0.0, "maximum": 1.0})
     round_trip_mm: float = field(default=0.1, metadata={"above": 0.0})
 
 
@@ -135,7 +138,8 @@ def _consensus(
 ) -> tuple[NDArray[np.bool_], Array] | None:
     """The affine shift that most corners agree on: who agrees, and the shift everywhere (k, 2)."""
     keep = score > options.least_score
-    if keep.sum() < 8:
+    least = max(8, options.least_share * keep.sum())
+    if keep.sum() < least:
         return None
     tolerance = options.agreement_mm / texel_mm
     middle = _densest(shift[keep], tolerance)
@@ -143,11 +147,11 @@ def _consensus(
     design = np.column_stack([np.ones(len(start)), start - start.mean(axis=0)])
     common = np.broadcast_to(middle, shift.shape)
     for _ in range(5):
-        if keep.sum() < 8:
+        if keep.sum() < least:
             return None
         common = design @ np.linalg.lstsq(design[keep], shift[keep], rcond=None)[0]
         keep = (score > options.least_score) & (np.linalg.norm(shift - common, axis=1) < 2 * tolerance)
-    return (keep, common) if keep.sum() >= 8 else None
+    return (keep, common) if keep.sum() >= least else None
 
 
 def _densest(shift: Array, tolerance: float) -> Array:

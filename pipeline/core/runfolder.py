@@ -88,7 +88,11 @@ class RunFolder:
             block: name of the block, for stages that work block by block.
         """
         wanted = store.stamp(
-            VERSION, stage, block, *(n.stamp if isinstance(n, Product) else n for n in needs)
+            VERSION,
+            stage,
+            block,
+            store.layout(kind),
+            *(n.stamp if isinstance(n, Product) else n for n in needs),
         )
         file = self.path / "products" / f"{block or 'all'}-{stage}.npz"
         mark = file.with_suffix(".stamp")

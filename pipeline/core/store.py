@@ -56,6 +56,13 @@ def stamp(*values: object, root: Path | None = None) -> str:
     return digest.hexdigest()
 
 
+def layout(kind: Any) -> object:  # noqa: ANN401 - types are data here
+    """Names of a product's fields, nested: a product written with another layout must be made again."""
+    if isinstance(kind, type) and dataclasses.is_dataclass(kind):
+        return {name: layout(hint) for name, hint in typing.get_type_hints(kind).items()}
+    return [found for a in typing.get_args(kind) if (found := layout(a))]
+
+
 def stamp_file(path: Path) -> str:
     """A digest of a file's content."""
     with path.open("rb") as file:

@@ -95,8 +95,10 @@ def test_brightness_does_not_matter():
     np.testing.assert_allclose(np.median(shifts(found), axis=0), [-1, 0], atol=0.05)
 
 
-def test_pictures_of_different_surfaces_have_nothing_in_common():
-    found = match(picture(-60, 60), picture(30, 150, texture=scene.Texture(seed=9)))
+@pytest.mark.parametrize("seed", range(4, 10))
+def test_pictures_of_different_surfaces_have_nothing_in_common(seed):
+    """Of some hundred corners a dozen always correlate at about the same shift: that is chance."""
+    found = match(picture(-60, 60), picture(30, 150, texture=scene.Texture(seed=seed)))
     assert found.first.shape == found.second.shape == (0, 2)
 
 

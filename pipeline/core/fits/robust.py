@@ -40,11 +40,13 @@ class FitOptions:
         loss: TUKEY forgets gross errors altogether (up to about a third of the points), HUBER bounds their
             pull, LEAST_SQUARES is for data that are known to be clean.
         noise_sigma: standard deviation of a point of weight 1, in the points' unit; None: from the residuals.
+        least_noise_sigma: the one from the residuals is never taken to be smaller than this.
         iterations: most reweighting steps.
     """
 
     loss: Loss = Loss.TUKEY
     noise_sigma: float | None = None
+    least_noise_sigma: float = 0.0
     iterations: int = 60
 
 
@@ -149,10 +151,15 @@ def _psi_slope(standardised: Array, loss: Loss) -> Array:
             return inside * (inside - 4 * (size / TUNING[loss]) ** 2)
 
 
+def _free_count(values: Array, prior: Prior | None) -> int:
+    """Parameters that no prior holds."""
+    return len(values) if prior is None else int(np.count_nonzero(np.isinf(prior.sigmas)))
+
+
 def _scale(weighted: Array, root: Array, options: FitOptions, parameter_count: int) -> float:
     if options.noise_sigma is not None:
         return options.noise_sigma
-    return noise_of(weighted[root > 0], parameter_count)
+    return max(noise_of(weighted[root > 0], parameter_count), options.least_noise_sigma)
 
 
 def _reweighted(
@@ -169,9 +176,9 @@ def _reweighted(
     damping = 1e-6
     raw, jacobian = residuals(values)
     # the scale only ever shrinks: a scale that breathes with the weights may cycle for ever
-    sigma = _scale(raw * root, root, options, len(values))
+    sigma = _scale(raw * root, root, options, _free_count(values, prior))
     for _ in range(options.iterations):
-        sigma = min(sigma, _scale(raw * root, root, options, len(values)))
+        sigma = min(sigma, _scale(raw * root, root, options, _free_count(values, prior)))
         robust = _psi_weights(raw * root / sigma, loss)
         row = np.sqrt(robust) * root / sigma
         normal, right = _with_prior((jacobian * row[:, None]), raw * row, values, prior)
@@ -227,13 +234,17 @@ def _estimate(
     prior: Prior | None,
 ) -> Estimate:
     raw, jacobian = residuals(values)
-    sigma = _scale(raw * root, root, options, len(values))
+    sigma = _scale(raw * root, root, options, _free_count(values, prior))
     standardised = raw * root / sigma
     robust = _psi_weights(standardised, loss)
     used = root > 0
     count, slope = int(used.sum()), float(np.mean(_psi_slope(standardised, loss)[used]))
-    spread = float(np.sum((robust * standardised)[used] ** 2)) / max(count - len(values), 1)
-    if options.noise_sigma is not None:
+    weighted = jacobian * root[:, None] / sigma
+    normal, _ = _with_prior(weighted, raw * 0, values, prior)
+    # parameters that a prior holds take up no points: their effective number is the trace of the hat matrix
+    taken = float(np.trace(_invert(name, normal) @ (weighted.T @ weighted)))
+    spread = float(np.sum((robust * standardised)[used] ** 2)) / max(count - taken, 1)
+    if options.noise_sigma is not None or sigma <= options.least_noise_sigma:
         spread = max(spread, slope**2)  # a stated noise is a floor, not a wish
     effective = sigma * np.sqrt(max(spread, 1e-30)) / max(slope, 0.05)
     weighted = jacobian * root[:, None] / effective

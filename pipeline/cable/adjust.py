@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cable.match import TiePoints
-from pipeline.core.bundle import BundleOptions, BundleResult, RigPriors, adjust_bundle
+from pipeline.core.bundle import BundleOptions, BundleResult, RigPriors, adjust_bundle, intersect_points
 from pipeline.core.division import parameters, with_parameters
 from pipeline.core.events import Emit, Event, part
 from pipeline.core.rig import Observations, Rig
@@ -25,6 +25,7 @@ class AdjustOptions:
     """How the block is adjusted.
 
     Attributes:
+        points: so many tie points orient the block, those seen most often; all are intersected afterwards.
         sigma_px: standard deviation of an image measurement.
         loss_scales_px: Cauchy scales of the successive adjustments, loose to tight.
         gross_px: after the loose adjustment, measurements further off than this are left out.
@@ -33,6 +34,7 @@ class AdjustOptions:
             this is no independent evidence of where the block lies.
     """
 
+    points: int = field(default=2500, metadata={"minimum": 50})
     sigma_px: float = field(default=0.2, metadata={"above": 0.0})
     loss_scales_px: tuple[float, ...] = field(default=(8.0, 1.0, 0.5), metadata={"above": 0.0})
     gross_px: float = field(default=1.5, metadata={"above": 0.0})
@@ -108,25 +110,72 @@ def adjust_block(
         pixels=tie_points.pixels,
     )
     main, extra = part(emit, 0.0, 0.75), part(emit, 0.75, 1.0)
-    accepted, result = _adjust(block, measured, tie_points.starts, lens, pos, options, main)
+    few, starts = _few(measured, tie_points.starts, options.points)
+    few, result = _adjust(block, few, starts, lens, pos, options, main)
     poses = poses_from_centres(result.rig.body_rotations, result.rig.body_centres)
+    accepted, points, residuals = intersect_block(poses, lens, tie_points.starts, measured, options.gross_px)
     keypoints = np.bincount(accepted.frame, minlength=len(poses))
     origin = np.array([0.0, poses.centres[:, 1].mean(), 0.0])
     return Orientation(
         lens=lens,
         poses=poses,
-        points=result.rig.points,
+        points=points,
         frame=accepted.frame,
         point=accepted.point,
         pixels=accepted.pixels,
-        residuals=result.residuals,
+        residuals=residuals,
         keypoints=keypoints,
         calibrated=keypoints >= options.least_keypoints,
-        reprojection_px=_rms(result.residuals),
+        reprojection_px=rms(residuals),
         datum_origin=origin,
         datum_information=_datum(poses, pos, origin, options),
-        lens_effect=_without_correction(block, accepted, result.rig.points, lens, pos, options, extra),
+        lens_effect=_without_correction(block, few, result.rig.points, lens, pos, options, extra),
     )
+
+
+def choose_points(point: NDArray[np.int64], places: Array, most: int) -> NDArray[np.int64]:
+    """The points seen most often in each centimetre of cable, about ``most`` in all, in ascending order.
+
+    Args:
+        point: (n,) the point of each measurement.
+        places: (m, 3) rough places of the points, metres.
+        most: number wanted.
+    """
+    views = np.bincount(point, minlength=len(places))
+    usable = np.flatnonzero(views >= 3)
+    stretch = np.floor(places[usable, 1] / 0.01)
+    order = np.lexsort((-views[usable], stretch))
+    first = np.flatnonzero(np.diff(stretch[order], prepend=-np.inf))
+    rank = np.arange(len(order)) - np.repeat(first, np.diff(np.append(first, len(order))))
+    return np.sort(usable[order[rank < max(most // max(len(first), 1), 1)]])
+
+
+def intersect_block(
+    poses: Poses, lens: Lens, starts: Array, measured: Observations, gross_px: float
+) -> tuple[Observations, Array, Array]:
+    """Intersect all tie points of a block with its orientations held, leaving out gross errors.
+
+    Returns:
+        The accepted measurements, the points (m, 3), and the residuals (n, 2) of the accepted.
+    """
+    rig = _single_camera(poses, lens, starts)
+    for _ in range(2):
+        placed, residuals = intersect_points(rig, measured)
+        good = np.linalg.norm(residuals, axis=1) < gross_px
+        if good.all():
+            break
+        measured = _seen_twice(measured.subset(good))
+    placed, residuals = intersect_points(placed, measured, iterations=2)
+    return measured, placed.points, residuals
+
+
+def _few(measured: Observations, starts: Array, most: int) -> tuple[Observations, Array]:
+    """The measurements of the points that orient the block, numbered anew, and their rough places."""
+    chosen = choose_points(measured.point, starts, most)
+    number = np.full(len(starts), -1)
+    number[chosen] = np.arange(len(chosen))
+    few = measured.subset(number[measured.point] >= 0)
+    return replace(few, point=number[few.point]), starts[chosen]
 
 
 def _adjust(
@@ -190,7 +239,7 @@ def _without_correction(
         return None
     loose = replace(options, loss_scales_px=(8.0,), gross_px=np.inf)
     _, result = _adjust(block, measured, points, straight, pos, loose, emit)
-    return LensEffect(points_uncorrected=result.rig.points, reprojection_px=_rms(result.residuals))
+    return LensEffect(points_uncorrected=result.rig.points, reprojection_px=rms(result.residuals))
 
 
 def _datum(poses: Poses, pos: PosPriors, origin: Array, options: AdjustOptions) -> Array:
@@ -212,5 +261,6 @@ def _datum(poses: Poses, pos: PosPriors, origin: Array, options: AdjustOptions) 
     return whitened.T @ whitened * (independent / count)
 
 
-def _rms(residuals: Array) -> float:
+def rms(residuals: Array) -> float:
+    """Root mean square length of residuals (n, 2)."""
     return float(np.sqrt(np.nanmean(np.sum(residuals**2, axis=1))))

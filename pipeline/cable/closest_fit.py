@@ -87,10 +87,29 @@ class Tie:
     whitening: Array
 
     def residuals(self, placement: Placement) -> Array:
-        """Whitened differences, (n, 3)."""
+        """Whitened differences, (n, 3), in the size of the pieces themselves: divided by their mean scale.
+
+        As placed, all differences would shrink with the whole model, and many ties with a little noise each
+        would outweigh what is known of the scale.
+        """
+        return np.einsum("nij,nj->ni", self.whitening, self._gap(placement))
+
+    def jacobian(self, placement: Placement) -> Array:
+        """Of the residuals by the parameters of the first and the second piece, (n, 3, 14)."""
+        sides = (self.first, self.points_first, 1), (self.second, self.points_second, -1)
+        per_piece, mean = [], self._mean_scale(placement)
+        for piece, points, sign in sides:
+            derivative = sign * placement.derivative(piece, placement.apply(piece, points)) / mean
+            derivative[:, :, 6] -= self._gap(placement) / 2
+            per_piece.append(derivative)
+        return self.whitening @ np.concatenate(per_piece, axis=2)
+
+    def _gap(self, placement: Placement) -> Array:
         gap = placement.apply(self.first, self.points_first)
-        gap = gap - placement.apply(self.second, self.points_second)
-        return np.einsum("nij,nj->ni", self.whitening, gap)
+        return (gap - placement.apply(self.second, self.points_second)) / self._mean_scale(placement)
+
+    def _mean_scale(self, placement: Placement) -> float:
+        return float(np.sqrt(placement.scales[self.first] * placement.scales[self.second]))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,14 +155,9 @@ def _normals(placement: Placement, information: Array, ties: list[Tie]) -> tuple
     right = -information @ placement.deviation().ravel()
     for tie in ties:
         residuals = tie.residuals(placement)
-        root = np.sqrt(1 / (1 + np.sum(residuals**2, axis=1) / 9))
-        places, jacobians = [], []
-        for piece, points, sign in ((tie.first, tie.points_first, 1), (tie.second, tie.points_second, -1)):
-            derivative = placement.derivative(piece, placement.apply(piece, points))
-            jacobians.append(sign * np.einsum("n,nij,njk->nik", root, tie.whitening, derivative))
-            places.append(piece * PARAMETERS + np.arange(PARAMETERS))
-        jacobian = np.concatenate(jacobians, axis=2).reshape(-1, 2 * PARAMETERS)
-        columns = np.concatenate(places)
+        root = np.sqrt(1 / (1 + np.sum(residuals**2, axis=1) / 9))[:, None]
+        jacobian = (root[..., None] * tie.jacobian(placement)).reshape(-1, 2 * PARAMETERS)
+        columns = np.concatenate([n * PARAMETERS + np.arange(PARAMETERS) for n in (tie.first, tie.second)])
         matrix[np.ix_(columns, columns)] += jacobian.T @ jacobian
-        right[columns] -= jacobian.T @ (root[:, None] * residuals).ravel()
+        right[columns] -= jacobian.T @ (root * residuals).ravel()
     return matrix, right

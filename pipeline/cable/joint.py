@@ -7,15 +7,14 @@ strip cannot; and a body rotation that moves one camera forwards moves its oppos
 keeps the scale.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pipeline.cable.adjust import Orientation
+from pipeline.cable.adjust import Orientation, choose_points, intersect_block, rms
 from pipeline.cable.closing import SharedMarks
 from pipeline.cable.pos import RobotPriors
-from pipeline.core.bundle import BundleOptions, BundleResult, RigPriors, adjust_bundle, intersect_points
+from pipeline.core.bundle import BundleOptions, BundleResult, RigPriors, adjust_bundle
 from pipeline.core.division import coefficient, parameters, with_parameters
 from pipeline.core.events import Emit, Event
 from pipeline.core.rig import POSE_PARAMETERS, Observations, Rig
@@ -39,16 +38,18 @@ class JointOptions:
         shared_sigma_px: of a mark matched between two blocks; all its measurements share the matching's
             error.
         loss_scales_px: Cauchy scales of the successive adjustments, loose to tight.
+        gross_px: measurements further off than this are left out in the end.
         points_per_block: so many tie points of each block take part, those seen most often.
         principal_point_share: standard deviation of an uncalibrated principal point, as a share of the width.
     """
 
     together: bool = True
-    sigma_px: float = 0.1
-    shared_sigma_px: float = 0.6
-    loss_scales_px: tuple[float, ...] = (20.0, 1.0)
-    points_per_block: int = 2500
-    principal_point_share: float = 0.01
+    sigma_px: float = field(default=0.1, metadata={"above": 0.0})
+    shared_sigma_px: float = field(default=0.6, metadata={"above": 0.0})
+    loss_scales_px: tuple[float, ...] = field(default=(20.0, 1.0), metadata={"above": 0.0})
+    gross_px: float = field(default=1.5, metadata={"above": 0.0})
+    points_per_block: int = field(default=2500, metadata={"minimum": 50})
+    principal_point_share: float = field(default=0.01, metadata={"minimum": 0.0})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,7 +114,7 @@ def adjust_ring(
         result.residuals[len(measured) - len(shared.pixels) :] * options.shared_sigma_px / options.sigma_px
     )
     return RingOrientation(
-        blocks=tuple(_block(n, b, result.rig) for n, b in enumerate(blocks)),
+        blocks=tuple(_block(n, b, result.rig, options.gross_px) for n, b in enumerate(blocks)),
         covariance=_block_covariance(result, len(blocks)),
         focal_sigmas=_focal_sigmas(result, len(blocks)),
         shared_residual_px=float(np.sqrt(np.nanmean(np.sum(residual**2, axis=1)))) if len(residual) else 0.0,
@@ -174,7 +175,7 @@ def _gather(
     frames, cameras, points, pixels, places, count = [], [], [], [], [], 0
     for number, block in enumerate(blocks):
         orientation = block.orientation
-        chosen = _chosen(orientation, options.points_per_block)
+        chosen = choose_points(orientation.point, orientation.points, options.points_per_block)
         new = np.full(len(orientation.points), -1)
         new[chosen] = count + np.arange(len(chosen))
         rows = new[orientation.point] >= 0
@@ -201,46 +202,32 @@ def _gather(
     return measured, place[order]
 
 
-def _chosen(orientation: Orientation, most: int) -> NDArray[np.int64]:
-    """The points seen most often in each centimetre of cable, ``most`` in all."""
-    views = np.bincount(orientation.point, minlength=len(orientation.points))
-    usable = np.flatnonzero(views >= 3)
-    stretch = np.floor(orientation.points[usable, 1] / 0.01)
-    order = np.lexsort((-views[usable], stretch))
-    first = np.flatnonzero(np.diff(stretch[order], prepend=-np.inf))
-    rank = np.arange(len(order)) - np.repeat(first, np.diff(np.append(first, len(order))))
-    return np.sort(usable[order[rank < max(most // max(len(first), 1), 1)]])
-
-
 def _camera_poses(rig: Rig, camera: int) -> Poses:
     rotations = rig.mount_rotations[camera] @ rig.body_rotations
     arms = np.einsum("nji,j->ni", rig.body_rotations, rig.mount_centres[camera])
     return poses_from_centres(rotations, rig.body_centres + arms)
 
 
-def _block(number: int, block: JointBlock, rig: Rig) -> Orientation:
+def _block(number: int, block: JointBlock, rig: Rig, gross_px: float) -> Orientation:
     """A block's orientation in the ring, all its tie points intersected anew."""
     alone, poses = block.orientation, _camera_poses(rig, number)
     lens = with_parameters(alone.lens, rig.lenses[number])
-    single = Rig(
-        body_rotations=poses.rotations,
-        body_centres=poses.centres,
-        mount_rotations=np.eye(3)[None],
-        mount_centres=np.zeros((1, 3)),
-        lenses=rig.lenses[number : number + 1],
-        points=alone.points,
-    )
     seen = Observations(
         frame=alone.frame, camera=np.zeros_like(alone.frame), point=alone.point, pixels=alone.pixels
     )
-    placed, residuals = intersect_points(single, seen)
+    accepted, points, residuals = intersect_block(poses, lens, alone.points, seen, gross_px)
+    keypoints = np.bincount(accepted.frame, minlength=len(poses))
     return replace(
         alone,
         lens=lens,
         poses=poses,
-        points=placed.points,
+        points=points,
+        frame=accepted.frame,
+        point=accepted.point,
+        pixels=accepted.pixels,
         residuals=residuals,
-        reprojection_px=float(np.sqrt(np.nanmean(np.sum(residuals**2, axis=1)))),
+        keypoints=keypoints,
+        reprojection_px=rms(residuals),
         datum_origin=np.array([0.0, poses.centres[:, 1].mean(), 0.0]),
     )
 

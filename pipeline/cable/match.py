@@ -28,7 +28,6 @@ from pipeline.core.events import Emit, Event
 from pipeline.core.fundamental import FundamentalOptions, estimate_fundamental
 from pipeline.core.vocabulary import Array, FrameSequence, Lens, Poses, PosPriors
 
-
 ESTIMATE_FROM = 400
 """About so many pairs of points are enough to estimate a fundamental matrix; all are checked against it."""
 

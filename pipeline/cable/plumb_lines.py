@@ -197,10 +197,11 @@ def _variance_with_dependence(
     Economic Statistics 29(2), 2011: the excess of each grouping over independent errors is added.
     """
     jacobian = unknowns.residuals(values)[1]
-    pull = (jacobian @ covariance[0]) * weighted_residuals / noise**2
-    independent = float(np.sum(pull**2))
-    excess = [float(np.sum(np.bincount(patch, pull) ** 2)) - independent for patch in patches]
-    return float(covariance[0, 0]) + sum(max(value, 0.0) for value in excess)
+    lever = jacobian @ covariance[0] / noise
+    from_noise = float(lever @ lever)
+    pull = lever * weighted_residuals
+    growth = [float(np.sum(np.bincount(patch, pull) ** 2) / np.sum(pull**2)) for patch in patches]
+    return float(covariance[0, 0]) + from_noise * sum(max(value - 1, 0.0) for value in growth)
 
 
 def _crookedness(points: Array, line: NDArray[np.int64], division_lambda: float) -> float:

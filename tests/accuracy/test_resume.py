@@ -10,9 +10,6 @@ import pytest
 
 from tests.command import pipeline, start_pipeline
 
-SHARED = {"closing", "joint", "mosaic", "ring", "measure"}
-"""Stages of all blocks together, behind those of each block alone."""
-
 
 def products(folder):
     """When each product was written: name to nanoseconds."""
@@ -63,26 +60,11 @@ def test_only_one_stage_is_made_again(rendered, finished, copied):
     assert done.stdout.startswith("surface is done")
 
 
-def test_one_block_filmed_again_leaves_the_others_alone_frames_and_matches(rendered, copied, tmp_path):
-    again = tmp_path / "again"
-    shutil.copytree(rendered, again, ignore=shutil.ignore_patterns(".synth", "depth"))
-    with (again / "block2.mp4").open("ab") as file:
-        file.write(b"\x00\x00\x00\x08free")  # an empty box: another file that shows the same
-    _, remade = run_again(rendered, copied, survey=again)
-    alone = {name for name in remade if not name.startswith(("all-", "Block2-"))}
-    assert {"Block2-lens", "Block2-match", "Block2-adjust", "all-frames", "all-measure"} <= remade
-    # behind the joint adjustment every block depends on every other
-    behind = {"dense", "surface", "texture", "crop"}
-    assert {name.partition("-")[2] for name in alone} <= behind
-
-
-@pytest.fixture(scope="module")
-def interrupted(rendered, tmp_path_factory):
-    """A run without truth that gets Ctrl-C at its first match: folder, exit code, seconds it took to stop."""
-    folder = tmp_path_factory.mktemp("interrupted") / "run"
-    process = start_pipeline("run", rendered / "survey.toml", "--out", folder, "--events", "json")
+def interrupt_at(stage, *words):
+    """Start a run and send Ctrl-C at the first event of a stage: exit code, seconds to stop, last line."""
+    process = start_pipeline("run", *words, "--events", "json")
     for line in process.stderr:
-        if '"stage": "match"' in line:
+        if f'"stage": "{stage}"' in line:
             break
     rest = []
     drain = threading.Thread(target=lambda: rest.extend(process.stderr))
@@ -92,8 +74,31 @@ def interrupted(rendered, tmp_path_factory):
     code = process.wait(timeout=30)
     took_s = time.monotonic() - began
     drain.join()
+    return code, took_s, rest[-1]
+
+
+def test_one_block_filmed_again_leaves_the_others_alone_until_all_are_joined(rendered, copied, tmp_path):
+    again = tmp_path / "again"
+    shutil.copytree(rendered, again, ignore=shutil.ignore_patterns(".synth", "depth"))
+    with (again / "block2.mp4").open("ab") as file:
+        file.write(b"\x00\x00\x00\x08free")  # an empty box: another file that shows the same
+    before = products(copied)
+    # as far as the blocks are worked on alone, and joined
+    code, *_ = interrupt_at("dense", again / "survey.toml", "--out", copied)
+    assert code == 130
+    after = products(copied)
+    remade = {name for name in before if after.get(name) != before[name]}
+    alone = {f"Block2-{stage}" for stage in ("lens", "pos", "match", "adjust")}
+    assert remade - {"Block1-dense"} == {"all-frames", *alone, "all-closing", "all-joint"}
+
+
+@pytest.fixture(scope="module")
+def interrupted(rendered, tmp_path_factory):
+    """A run without truth that gets Ctrl-C at its first match: folder, exit code, seconds it took to stop."""
+    folder = tmp_path_factory.mktemp("interrupted") / "run"
+    code, took_s, said = interrupt_at("match", rendered / "survey.toml", "--out", folder)
     left = [path for path in folder.rglob("*") if ".part" in path.name]
-    return folder, code, took_s, rest[-1], left
+    return folder, code, took_s, said, left
 
 
 def test_an_interrupted_run_stops_at_once_and_says_that_it_can_go_on(interrupted):

@@ -159,6 +159,27 @@ def test_a_direction_that_is_left_free_does_not_pull():
     np.testing.assert_allclose(moved, [-0.3 * MM, 0.2 * MM, 0], atol=1e-8)
 
 
+def test_many_noisy_ties_do_not_shrink_the_model():
+    """Shrunk, every difference would look better; but the scale is the priors' business alone."""
+    truth = still(2)
+    many = tie(truth, 0, 1, sigma_m=0.1 * MM, noise_m=0.07 * MM, count=3000)
+    rough = np.diag([1e12] * 6 + [1 / 0.01**2])  # the scale of each piece is known to 1 %
+    found = fit_pieces(still(2), information(rough, rough), lambda _: [many])
+    mean_scale = np.sqrt(found.placement.scales.prod())
+    assert mean_scale == pytest.approx(1, abs=1e-4)
+    common = np.zeros(14)
+    common[[6, 13]] = 0.5
+    assert np.sqrt(common @ found.covariance @ common) == pytest.approx(0.01 / np.sqrt(2), rel=0.01)
+
+
+def test_residuals_change_as_their_jacobian_says():
+    truth = astray(2)
+    one = tie(truth, 0, 1, noise_m=5 * MM)
+    step = np.random.default_rng(6).normal(0, 1e-7, 14)
+    change = one.residuals(truth.moved(step)) - one.residuals(truth.moved(-step))
+    np.testing.assert_allclose(change / 2, one.jacobian(truth) @ step, rtol=1e-5, atol=1e-8)
+
+
 def test_gross_errors_among_the_ties_lose_their_say():
     truth = astray(2)
     good = tie(truth, 0, 1, noise_m=0.05 * MM)

@@ -85,7 +85,7 @@ def test_the_joined_ring_has_the_right_diameter(astray, joined):
     before = np.abs(radii_mm(standing_still(astray)) - 55).mean()
     after = radii_mm(joined)
     assert before > 0.15
-    assert abs(after.mean() - 55) < 0.05
+    assert abs(after.mean() - 55) < 0.01
     assert np.ptp(after.mean(axis=1)) < 0.1
 
 

@@ -25,6 +25,7 @@ from pipeline.cable.sources import image_files, is_video
 from pipeline.cable.surface import BlockSurface, build_surface
 from pipeline.cable.survey import Block, Survey
 from pipeline.cable.texture import UnrolledPicture, texture_block
+from pipeline.cable.uncertainty import RingSigmas, Uncertainty
 from pipeline.core.errors import StageError
 from pipeline.core.events import Emit, Event, part
 from pipeline.core.runfolder import Product, RunFolder
@@ -366,8 +367,7 @@ class Chain:
     def _measure(self) -> Product[Measurement]:
         survey = self._survey
         stations = tuple((s.name, s.position_m) for s in survey.cable.stations)
-        focal_sigmas = self._focal_sigmas()
-        travel_share = travel_share_sigma(survey.cable, self._options.pos)
+        uncertainty = self._uncertainty()
         return self._folder.product(
             "measure",
             Measurement,
@@ -376,28 +376,32 @@ class Chain:
                 tuple(p.value for p in self.made["crop"]),
                 self._value("mosaic"),
                 self._value("ring"),
-                tuple(p.value.noise_mm for p in self.made["dense"]),
-                focal_sigmas,
-                travel_share,
+                uncertainty,
                 stations,
                 survey.cable.travel_m,
                 self._options.measure,
                 self._emit,
             ),
-            *self._all("surface", "crop", "dense", "mosaic", "ring"),
-            focal_sigmas,
-            travel_share,
+            *self._all("surface", "crop", "mosaic", "ring"),
+            uncertainty,
             stations,
             survey.cable.travel_m,
             self._options.measure,
         )
 
-    def _focal_sigmas(self) -> tuple[float, ...]:
-        """Relative standard deviations of the focal lengths: as adjusted in the ring, else as stated."""
-        if self.made["joint"]:
-            return tuple(float(s) for s in self._value("joint").focal_sigmas)
-        lenses: list[Lens] = [p.value.solution.lens for p in self.made["lens"]]
-        return tuple(lens.focal_sigma_px / lens.focal_px for lens in lenses)
+    def _uncertainty(self) -> Uncertainty:
+        lenses: list[Lens] = [self._oriented(n).value.lens for n in range(len(self._survey.blocks))]
+        ring: RingOrientation | None = self._value("joint") if self.made["joint"] else None
+        return Uncertainty(
+            noise_mm=tuple(p.value.noise_mm for p in self.made["dense"]),
+            focal_shares=tuple(lens.focal_sigma_px / lens.focal_px for lens in lenses),
+            travel_share=travel_share_sigma(self._survey.cable, self._options.pos),
+            together=None
+            if ring is None
+            else RingSigmas(
+                y_m=ring.section_y_m, diameter_mm=ring.diameter_sigma_mm, lens_mm=ring.lens_sigma_mm
+            ),
+        )
 
 
 def _source_files(block: Block) -> tuple[Path, ...]:

@@ -17,7 +17,8 @@ from pipeline.cable.pos import RobotPriors
 from pipeline.core.bundle import BundleOptions, BundleResult, RigPriors, adjust_bundle
 from pipeline.core.division import coefficient, parameters, with_parameters
 from pipeline.core.events import Emit, Event
-from pipeline.core.rig import POSE_PARAMETERS, Observations, Rig
+from pipeline.core.normals import gradient_through_points
+from pipeline.core.rig import LENS_PARAMETERS, POSE_PARAMETERS, Observations, Rig
 from pipeline.core.rotations import (
     cross_matrix,
     nominal_cam_from_world,
@@ -25,7 +26,10 @@ from pipeline.core.rotations import (
     rotation_from_vector,
     vector_from_rotation,
 )
-from pipeline.core.vocabulary import Array, Poses, TravelDirection
+from pipeline.core.vocabulary import Array, Lens, Poses, TravelDirection
+
+SECTION_STEP_M = 0.02
+"""Distance of the sections whose standard deviation is carried through, and their half width."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,14 +73,19 @@ class RingOrientation:
     Attributes:
         blocks: each block's orientation, all in one frame.
         covariance: (7 b, 7 b) of each block as a whole: rotation vector (rad), shift (m), scale.
-        focal_sigmas: (b,) relative standard deviation of the focal lengths.
+        section_y_m: (n,) places along the cable, and for each
+        diameter_sigma_mm: (n,) standard deviation of a diameter there from orientations and lenses, travel
+            taken as exact;
+        lens_sigma_mm: (n,) the lenses' share of it.
         shared_residual_px: root mean square residual of the shared marks.
         iterations: steps of the last adjustment.
     """
 
     blocks: tuple[Orientation, ...]
     covariance: Array
-    focal_sigmas: Array
+    section_y_m: Array
+    diameter_sigma_mm: Array
+    lens_sigma_mm: Array
     shared_residual_px: float
     iterations: int
 
@@ -113,10 +122,13 @@ def adjust_ring(
     residual = (
         result.residuals[len(measured) - len(shared.pixels) :] * options.shared_sigma_px / options.sigma_px
     )
+    section_y, total, lens_part = _diameter_sigmas(result, len(blocks), robot.y_m)
     return RingOrientation(
-        blocks=tuple(_block(n, b, result.rig, options.gross_px) for n, b in enumerate(blocks)),
+        blocks=tuple(_block(n, b, result, options.gross_px) for n, b in enumerate(blocks)),
         covariance=_block_covariance(result, len(blocks)),
-        focal_sigmas=_focal_sigmas(result, len(blocks)),
+        section_y_m=section_y,
+        diameter_sigma_mm=total,
+        lens_sigma_mm=lens_part,
         shared_residual_px=float(np.sqrt(np.nanmean(np.sum(residual**2, axis=1)))) if len(residual) else 0.0,
         iterations=result.iterations,
     )
@@ -208,10 +220,10 @@ def _camera_poses(rig: Rig, camera: int) -> Poses:
     return poses_from_centres(rotations, rig.body_centres + arms)
 
 
-def _block(number: int, block: JointBlock, rig: Rig, gross_px: float) -> Orientation:
+def _block(number: int, block: JointBlock, result: BundleResult, gross_px: float) -> Orientation:
     """A block's orientation in the ring, all its tie points intersected anew."""
-    alone, poses = block.orientation, _camera_poses(rig, number)
-    lens = with_parameters(alone.lens, rig.lenses[number])
+    alone, poses = block.orientation, _camera_poses(result.rig, number)
+    lens = _refined_lens(number, alone.lens, result)
     seen = Observations(
         frame=alone.frame, camera=np.zeros_like(alone.frame), point=alone.point, pixels=alone.pixels
     )
@@ -261,8 +273,38 @@ def _block_covariance(result: BundleResult, blocks: int) -> Array:
     return whole @ result.covariance @ whole.T
 
 
-def _focal_sigmas(result: BundleResult, blocks: int) -> Array:
+def _refined_lens(number: int, stated: Lens, result: BundleResult) -> Lens:
+    """The block's lens as adjusted, with its standard deviations."""
     rig = result.rig
-    first = POSE_PARAMETERS * (len(rig.body_rotations) + blocks)
-    variances = np.diag(result.covariance)[first::4][:blocks]
-    return np.sqrt(variances) / rig.lenses[:, 0]
+    lens = with_parameters(stated, rig.lenses[number])
+    first = POSE_PARAMETERS * (len(rig.body_rotations) + len(rig.lenses)) + LENS_PARAMETERS * number
+    sigmas = np.sqrt(np.diag(result.covariance)[first : first + LENS_PARAMETERS])
+    per_lambda = coefficient(replace(lens, division_lambda=1.0))
+    return replace(lens, focal_sigma_px=float(sigmas[0]), lambda_sigma=float(sigmas[3] / per_lambda))
+
+
+def _diameter_sigmas(result: BundleResult, blocks: int, y_m: Array) -> tuple[Array, Array, Array]:
+    """Places along the cable, the diameter's standard deviation there (mm), and the lenses' share of it.
+
+    A section is the circle through the tie points around it; they follow the orientations along their rays.
+    The lenses' share is what would go if they were known: total variance less that with the lenses given.
+    """
+    points = result.rig.points
+    places = np.arange(y_m.min(), y_m.max() + 1e-9, SECTION_STEP_M)
+    gains = np.zeros((len(places), len(points), 3))
+    for number, place in enumerate(places):
+        near = np.flatnonzero(np.abs(points[:, 1] - place) < SECTION_STEP_M)
+        centre = np.median(points[near], axis=0)
+        away = points[near] - centre
+        out = away * [1, 0, 1] / np.hypot(away[:, 0], away[:, 2])[:, None]
+        design = np.column_stack([np.ones(len(near)), out[:, 0], out[:, 2]])
+        gains[number, near] = 2 * np.linalg.pinv(design)[0][:, None] * out
+    gradient = 1000 * gradient_through_points(result.normals, gains)
+    total = np.einsum("nu,uv,nv->n", gradient, result.covariance, gradient)
+    free = POSE_PARAMETERS * (len(result.rig.body_rotations) + blocks)
+    lens = free + np.flatnonzero(np.diag(result.covariance)[free:] > 0)
+    if not len(lens):
+        return places, np.sqrt(total), np.zeros_like(total)
+    towards = gradient @ result.covariance[:, lens]
+    share = np.einsum("nl,lk,nk->n", towards, np.linalg.inv(result.covariance[np.ix_(lens, lens)]), towards)
+    return places, np.sqrt(total), np.sqrt(np.minimum(share, total))

@@ -25,7 +25,7 @@ class RingOptions:
     """Resolution of the joined model.
 
     Attributes:
-        cell_mm: side of a cell of the radius map.
+        cell_mm: side of a cell of the radius map, raised where the blocks' own cells are hardly smaller.
         texel_mm: side of a texel of the unrolled picture; 0 takes the blocks' own.
         ends_mm: length kept beyond the first and the last frame.
     """
@@ -93,7 +93,7 @@ def build_ring(
     sparse = np.concatenate([p for p, _ in _placed(blocks, mosaic, alignment, 8)])
     radius_m = float(np.median(np.hypot(sparse[:, 0], sparse[:, 2])))
     texel_mm = options.texel_mm or max(b.picture.texel_mm for b in blocks)
-    azimuth, y_m = _cells(radius_m, travel_m, options.cell_mm, options)
+    azimuth, y_m = _cells(radius_m, travel_m, _cell_mm(blocks, options), options)
     picture_azimuth, picture_y = _cells(radius_m, travel_m, texel_mm, options)
     shape, picture_shape = (len(y_m), len(azimuth)), (len(picture_y), len(picture_azimuth))
     total, weight, measured = np.zeros(shape), np.zeros(shape), np.zeros(shape)
@@ -119,6 +119,12 @@ def build_ring(
         picture_azimuth=picture_azimuth,
         texel_mm=texel_mm,
     )
+
+
+def _cell_mm(blocks: tuple[MosaicBlock, ...], options: RingOptions) -> float:
+    """Side of a cell that at least one cell of each block falls into, however it lies: else holes appear."""
+    coarsest_m = max(side for block in blocks for side in block.surface.cell_m)
+    return max(options.cell_mm, 1.25 * 1000 * coarsest_m)
 
 
 def _cells(radius_m: float, travel_m: float, side_mm: float, options: RingOptions) -> tuple[Array, Array]:

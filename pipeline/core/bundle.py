@@ -82,6 +82,7 @@ class BundleResult:
         residuals: (N, 2) pixels.
         weights: (N,) share of its weight that the loss left to each measurement, 0 to 1.
         covariance: (U, U) of the orientation unknowns (zero rows where held), for the stated ``sigma_px``.
+        normals: the normal equations at the solution.
         iterations: steps taken.
     """
 
@@ -89,6 +90,7 @@ class BundleResult:
     residuals: Array
     weights: Array
     covariance: Array
+    normals: Normals
     iterations: int
 
 
@@ -128,26 +130,30 @@ def adjust_bundle(
         rig, state, cost, damping = trial, trial_state, trial_cost, max(damping / 10, 1e-9)
         if gain < options.tolerance:
             break
+    normals = _normals(state, rig, priors, options, chunks)
     return BundleResult(
         rig=rig,
         residuals=state.residuals,
         weights=_weights(state.residuals, options),
-        covariance=covariance(_normals(state, rig, priors, options, chunks)),
+        covariance=covariance(normals),
+        normals=normals,
         iterations=taken,
     )
 
 
 def intersect_points(rig: Rig, observations: Observations, iterations: int = 5) -> tuple[Rig, Array]:
-    """Intersect the rays of every point, orientations held.
+    """Intersect the rays of every point, orientations held; gross errors are weighted down from the third
+    step on, when the points are near their place.
 
     Returns:
         The rig with its points moved, and the (N, 2) residuals in pixels.
     """
     held = np.zeros(rig.unknowns)
     chunks = split_along_cable(observations, len(rig.points))
-    for _ in range(iterations):
+    for number in range(iterations):
         state = linearise(rig, observations)
-        normals = assemble(state, np.ones(len(observations)), held, held, chunks)
+        weights = _weights(state.residuals, BundleOptions()) if number >= 2 else np.ones(len(observations))
+        normals = assemble(state, np.sqrt(weights), held, held, chunks)
         step, point_steps = solve(normals, 1e-6)
         rig = rig.moved(step, point_steps)
     return rig, linearise(rig, observations).residuals

@@ -132,6 +132,27 @@ def covariance(normals: Normals) -> Array:
     return full
 
 
+def gradient_through_points(normals: Normals, gains: Array) -> Array:
+    """Derivative of functions of the points by the orientations, the points following their rays.
+
+    A point moves by -C^-1 B' dx when the orientations move by dx (C, B' its blocks of the normal equations).
+
+    Args:
+        normals: at the solution.
+        gains: (n, M, 3) derivative of n functions by the points.
+
+    Returns:
+        (n, U).
+    """
+    gradient = np.zeros((len(gains), len(normals.right)))
+    for part in normals.parts:
+        inverse = np.linalg.inv(_damped(part.blocks, 0.0))
+        mine = gains[:, part.chunk.first : part.chunk.last]
+        moved = np.einsum("nmi,mij->nmj", mine, inverse).reshape(len(gains), -1)
+        gradient[:, part.unknowns] -= moved @ part.cross.T
+    return gradient
+
+
 def _reduce(normals: Normals, damping: float) -> tuple[Array, Array, list[Array]]:
     """The Schur complement over all points, its right-hand side, and each part's inverted blocks."""
     matrix, right, inverses = normals.matrix.copy(), normals.right.copy(), []

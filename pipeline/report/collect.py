@@ -65,7 +65,8 @@ def collect(
 
 
 def _block(run: BlockRun) -> BlockSummary:
-    orientation, lens = run.orientation, run.lens.solution
+    orientation, stated = run.orientation, run.lens.solution
+    lens, refined = orientation.lens, orientation.lens != stated.lens
     along_m, around_m = run.surface.cell_m
     return BlockSummary(
         name=run.block.name,
@@ -73,11 +74,13 @@ def _block(run: BlockRun) -> BlockSummary:
         calibrated=int(orientation.calibrated.sum()),
         keypoints_per_image=float(orientation.keypoints.mean()),
         reprojection_px=orientation.reprojection_px,
-        focal_px=lens.lens.focal_px,
-        division_lambda=lens.lens.division_lambda,
-        lambda_radius=lens.lens.lambda_radius,
-        lambda_sigma=lens.lens.lambda_sigma,
-        lens_method=lens.method.value,
+        focal_px=lens.focal_px,
+        focal_sigma_px=lens.focal_sigma_px,
+        principal_point_px=lens.principal_point_px,
+        division_lambda=lens.division_lambda,
+        lambda_radius=lens.lambda_radius,
+        lambda_sigma=lens.lambda_sigma,
+        lens_method="adjustment" if refined else stated.method.value,
         coverage_m2=float(run.crop.keep.sum() * along_m * around_m),
         resolution_mm=run.dense.ground_sample_mm,
         angle_deg=run.block.angle_deg,
@@ -100,7 +103,7 @@ def _station(section: Section) -> StationResult:
 
 
 def _lens_pictures(run: BlockRun) -> LensPictures:
-    lens = run.lens.solution.lens
+    lens = run.orientation.lens
     frame = cv2.imread(str(run.frames.files[len(run.frames) // 2]), cv2.IMREAD_COLOR)
     before, after = before_after_picture(np.asarray(frame, dtype=np.uint8), lens)
     return LensPictures(
@@ -204,7 +207,7 @@ def _warnings(run: CableRun) -> list[str]:
     if not run.options.lens.correct:
         said.append("The lens correction was switched off on purpose: the model is bent.")
     for block in run.blocks:
-        if not block.block.lens_spec.calibrated:
+        if not block.block.lens_spec.calibrated and run.together is None:
             said.append(
                 f"The focal length of {block.block.name} is a starting value that the adjustment holds: an "
                 "error of 1 % in it changes the diameter by about 0.5 %; calibrate the lens."

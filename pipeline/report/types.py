@@ -37,7 +37,8 @@ class BlockSummary:
         images, calibrated: frames that went in, and frames whose orientation was found.
         keypoints_per_image: mean number of image points that the adjustment used.
         reprojection_px: mean length of the image residuals, pixels.
-        focal_px, division_lambda, lambda_radius, lambda_sigma: the lens that was used; sigma 0 where trusted.
+        focal_px, focal_sigma_px, principal_point_px, division_lambda, lambda_radius, lambda_sigma: the lens
+            that was used; sigma 0 where trusted.
         lens_method: where the lens came from, e.g. ``"given"``, ``"plumb lines"``, ``"chessboard"``.
         coverage_m2: surface area that the block covers.
         resolution_mm: size of a pixel on the surface.
@@ -50,6 +51,8 @@ class BlockSummary:
     keypoints_per_image: float
     reprojection_px: float
     focal_px: float
+    focal_sigma_px: float
+    principal_point_px: tuple[float, float]
     division_lambda: float
     lambda_radius: LambdaRadius
     lambda_sigma: float

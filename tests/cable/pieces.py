@@ -55,7 +55,7 @@ def _own_radius(azimuth, y_m, motion, true_radius):
     """Radius of the block's cells about its own axis, so that they lie on the true cable."""
     out = scene.out_of_cable(azimuth)
     radius = np.full(azimuth.shape, scene.RADIUS_M)
-    for _ in range(8):
+    for _ in range(5):
         points = motion.apply(radius[..., None] * out + y_m[..., None] * [0, 1, 0])
         around = np.arctan2(-points[..., 2], points[..., 0])
         radius = radius - (np.hypot(points[..., 0], points[..., 2]) - true_radius(around, points[..., 1]))
@@ -104,13 +104,14 @@ def block(
 def _picture(azimuth, y_m, motion, true_radius, texture):
     columns = np.arange(azimuth[0], azimuth[-1], TEXEL_M / scene.RADIUS_M)
     rows = np.arange(y_m[0], y_m[-1], TEXEL_M)
-    _, around, along = _own_radius(*np.meshgrid(columns, rows), motion, true_radius)
-    gray = np.full(around.shape, 128.0) if texture is None else texture(around, along)
+    gray = np.full((len(rows), len(columns)), 128.0)
+    if texture is not None:
+        gray = texture(*_own_radius(*np.meshgrid(columns, rows), motion, true_radius)[1:])
     return UnrolledPicture(
         azimuth=columns,
         y_m=rows,
         colour=np.clip(np.rint(gray[..., None] * scene.TINT), 0, 255).astype(np.uint8),
-        known=np.ones(around.shape, dtype=bool),
+        known=np.ones(gray.shape, dtype=bool),
         texel_mm=1000 * TEXEL_M,
     )
 

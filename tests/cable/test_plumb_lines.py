@@ -94,14 +94,14 @@ def test_noise_alone_does_not_bias_lambda():
 def test_sigma_is_honest_for_a_cable_that_swells_and_bends():
     """0.3 mm in waves of 0.1 to 0.5 m: errors within two sigma, and sigma not above three times their RMS."""
     errors, sigmas = [], []
-    for seed in range(16):
+    for seed in range(12):
         rng = np.random.default_rng(seed)
         shapes = {"diameter_mm": waves(rng, 0.1, 0.5, 0.3), "axis_mm": waves(rng, 0.1, 0.5, 0.3)}
         found = fit(edges_of(rng, **shapes))
         errors.append(found.lambda_half_diagonal + 0.02)
         sigmas.append(found.sigma)
     errors, sigmas = np.array(errors), np.array(sigmas)
-    assert np.mean(np.abs(errors) <= 2 * sigmas) >= 0.85
+    assert np.mean(np.abs(errors) <= 2 * sigmas) >= 0.9
     assert np.mean(sigmas) <= 3 * np.sqrt(np.mean(errors**2))
     assert np.sqrt(np.mean(errors**2)) < 0.0015
 
@@ -119,17 +119,22 @@ def test_a_rougher_cable_than_expected_raises_the_shape_and_sigma():
     assert np.median([f.sigma for f in rough]) > 1.5 * np.median([f.sigma for f in even])
 
 
-def test_dirt_that_travels_with_the_cable_widens_sigma():
-    """Edge errors of 0.5 px that belong to 10 mm of cable: dependent between frames, not many small ones."""
-    rng = np.random.default_rng(3)
-    edges = edges_of(rng, noise_px=0.1)
-    place = np.linspace(0, 0.46, 24)[edges.frame] + edges.points_px[:, 0] * STANDOFF * COSINE2 / FOCAL
-    dirt = 0.5 * rng.normal(size=(200, 2))[np.floor((place + 0.3) / 0.01).astype(int), (edges.side > 0) * 1]
-    found = [
-        fit(replace(edges, points_px=edges.points_px + errors[:, None] * [0, 1]), shape_sigma_mm=1e-4)
-        for errors in (dirt, rng.permutation(dirt))
-    ]
-    assert found[0].sigma > 1.5 * found[1].sigma
+def test_edge_errors_that_stay_in_the_picture_widen_sigma():
+    """Uneven light shifts the edges by 0.15 px in the same 50 columns of every frame: no small errors."""
+    errors, together, apart = [], [], []
+    for seed in range(8):
+        rng = np.random.default_rng(seed)
+        edges = edges_of(rng, noise_px=0.1, frames=16)
+        columns = np.floor((edges.points_px[:, 0] + 480) / 50).astype(int)
+        light = 0.15 * rng.normal(size=(20, 2))[columns, (edges.side > 0) * 1]
+        for shifts, sigmas in ((light, together), (rng.permutation(light), apart)):
+            found = fit(
+                replace(edges, points_px=edges.points_px + shifts[:, None] * [0, 1]), 16, shape_sigma_mm=1e-4
+            )
+            sigmas.append(found.sigma)
+            errors.append((found.lambda_half_diagonal + 0.02) / found.sigma)
+    assert np.mean(together) > 3 * np.mean(apart)
+    assert 0.5 < np.sqrt(np.mean(np.square(errors))) < 1.7
 
 
 def test_gross_errors_are_left_out():

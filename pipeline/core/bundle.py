@@ -142,8 +142,9 @@ def adjust_bundle(
 
 
 def intersect_points(rig: Rig, observations: Observations, iterations: int = 5) -> tuple[Rig, Array]:
-    """Intersect the rays of every point, orientations held; gross errors are weighted down from the third
-    step on, when the points are near their place.
+    """Intersect the rays of every point, orientations held.
+
+    From the third step on, when the points are near their place, gross errors are weighted down.
 
     Returns:
         The rig with its points moved, and the (N, 2) residuals in pixels.

@@ -65,7 +65,7 @@ def _parser() -> argparse.ArgumentParser:
         help="make this stage and all after it again",
     )
     run.add_argument(
-        "--pairs", type=Path, help="CSV of corresponding points chosen by hand, see docs/outputs.md"
+        "--pairs", type=Path, help="CSV of corresponding points chosen by hand, see docs/survey.md"
     )
     run.add_argument(
         "--set", action="append", default=[], metavar="STAGE.KEY=VALUE", help="set an option; may be repeated"

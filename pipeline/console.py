@@ -55,14 +55,15 @@ class _Bar:
     def __init__(self, stream: TextIO, blocks: tuple[str, ...]) -> None:
         self._stream, self._blocks = stream, blocks
         self._began = self._drawn = time.monotonic()
-        self._first_share: float | None = None
+        self._skipped = 0.0
         self._stage_began: dict[str, float] = {}
 
     def __call__(self, event: Event) -> None:
         now = time.monotonic()
+        finished = event.done >= event.total and not event.block
+        if finished and event.stage not in self._stage_began:
+            self._skipped += SHARES.get(event.stage, 0.0)
         self._stage_began.setdefault(event.stage, now)
-        whole = event.done >= event.total and (not event.block or event.block == self._blocks[-1])
-        finished = whole and not event.block
         if self._stream.isatty() and (finished or now - self._drawn > REDRAW_S):
             self._draw(event, now, end="\n" if finished else "")
             self._drawn = now
@@ -81,14 +82,15 @@ class _Bar:
         self._stream.write(f"\r\x1b[K{event.stage:8s} {bar} {event.block:10s} {left}{end}")
 
     def _left(self, stage: str, part: float, now: float) -> str:
-        """Time left, once enough has passed to tell; finished stages of a resumed run do not count."""
+        """Time left, once enough has passed to tell.
+
+        A resumed run finds stages finished: they tell nothing but their end, and do not count as work done.
+        """
         names = list(SHARES)
         if stage not in SHARES:
             return ""
         done = sum(SHARES[n] for n in names[: names.index(stage)]) + part * SHARES[stage]
-        if self._first_share is None:
-            self._first_share = done
-        passed, made = now - self._began, done - self._first_share
+        passed, made = now - self._began, done - self._skipped
         if passed < 2 or made <= 0:
             return ""
         seconds = passed / made * (sum(SHARES.values()) - done)

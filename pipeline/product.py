@@ -32,7 +32,6 @@ from pipeline.report.exports import (
 from pipeline.report.labels import Language
 from pipeline.report.metrics import compare_with_truth, mean_absolute_error_mm
 from pipeline.report.model import ring_cloud
-from pipeline.report.page import PageOptions, write_report_html
 from pipeline.report.types import ReportData, TruthStation
 
 
@@ -87,6 +86,9 @@ def _write(
     found: CableRun, folder: RunFolder, truth: tuple[TruthStation, ...], language: Language, emit: Emit
 ) -> ReportData:
     """Everything a person opens; report.json last, so that it stands for a whole product."""
+    # its plots load Matplotlib, which a refused survey should not wait for
+    from pipeline.report.page import PageOptions, write_report_html
+
     began, out = time.monotonic(), folder.path
     (out / "report.json").unlink(missing_ok=True)
     steps = 5

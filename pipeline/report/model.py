@@ -20,10 +20,7 @@ def ring_mesh(ring: Ring, edge_mm: float = MESH_MM) -> Mesh:
     cell_mm = 1000 * float(ring.y_m[1] - ring.y_m[0])
     step = max(round(edge_mm / cell_mm), 1)
     known = np.isfinite(ring.radius_m)
-    middle = np.float32(np.nanmedian(ring.radius_m))
-    weight = _blur_ring(known.astype(np.float32), step)
-    excess = _blur_ring(np.where(known, ring.radius_m - middle, 0).astype(np.float32), step)
-    radius = (middle + excess / np.maximum(weight, 1e-6))[::step, ::step]
+    radius = _smooth_radius(ring, step)[::step, ::step]
     azimuth, y_m = ring.azimuth[::step], ring.y_m[::step]
     # one column more, at the place of the first: there the texture must end and begin
     azimuth = np.append(azimuth, azimuth[0] + 2 * np.pi)
@@ -70,10 +67,17 @@ def _texture_coordinates(ring: Ring, azimuth: Array, y_m: Array) -> Array:
 
 def _slope_along(ring: Ring) -> Array:
     """Change of the radius along the cable over about 4 mm."""
+    smooth = _smooth_radius(ring, 4)
+    return np.asarray(np.gradient(smooth, float(ring.y_m[1] - ring.y_m[0]), axis=0), dtype=np.float64)
+
+
+def _smooth_radius(ring: Ring, cells: float) -> np.ndarray:
+    """Radius averaged over about so many cells, of the known ones alone; carried on a little into holes."""
     known = np.isfinite(ring.radius_m)
     middle = np.float32(np.nanmedian(ring.radius_m))
-    smooth = _blur_ring(np.where(known, ring.radius_m - middle, 0).astype(np.float32), 4)
-    return np.asarray(np.gradient(smooth, float(ring.y_m[1] - ring.y_m[0]), axis=0), dtype=np.float64)
+    weight = _blur_ring(known.astype(np.float32), cells)
+    excess = _blur_ring(np.where(known, ring.radius_m - middle, 0).astype(np.float32), cells)
+    return np.asarray(middle + excess / np.maximum(weight, 1e-6))
 
 
 def _blur_ring(values: np.ndarray, cells: float) -> np.ndarray:

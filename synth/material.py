@@ -14,6 +14,7 @@ from pipeline.core.vocabulary import Array
 
 HIGHLIGHT = 0.16  # share of the highlight on a smooth sheath
 HIGHLIGHT_EXPONENT = 14.0
+GLOSSY_HIGHLIGHT, GLOSSY_EXPONENT = 1.6, 90.0  # at gloss 1
 
 
 class LitMaterial:
@@ -24,9 +25,14 @@ class LitMaterial:
         lamps: number of lamps.
         strength: light of one lamp at 1 m, relative to white.
         ambient: light from all around.
+        gloss: 0 is the soft sheen of an aged sheath, 1 the glare of a polished one.
     """
 
-    def __init__(self, texture: Path | None, lamps: int, strength: float, ambient: float) -> None:
+    def __init__(
+        self, texture: Path | None, *, lamps: int, strength: float, ambient: float, gloss: float
+    ) -> None:
+        self._exponent = HIGHLIGHT_EXPONENT + gloss * (GLOSSY_EXPONENT - HIGHLIGHT_EXPONENT)
+        highlight = HIGHLIGHT + gloss * (GLOSSY_HIGHLIGHT - HIGHLIGHT)
         self.material = bpy.data.materials.new("sheath")
         self.material.cycles.emission_sampling = "NONE"
         self._nodes = self.material.node_tree.nodes
@@ -37,13 +43,13 @@ class LitMaterial:
         colour, roughness = self._surface(texture)
         self._places = [self._nodes.new("ShaderNodeCombineXYZ") for _ in range(lamps)]
         matt: Any = ambient
-        gloss: Any = 0.0
+        mirrored: Any = 0.0
         for place in self._places:
             lamp_matt, lamp_gloss = self._lamp(place.outputs["Vector"])
             matt = self._math("MULTIPLY_ADD", lamp_matt, strength, matt)
-            gloss = self._math("MULTIPLY_ADD", lamp_gloss, strength, gloss)
+            mirrored = self._math("MULTIPLY_ADD", lamp_gloss, strength, mirrored)
         smooth = self._math("SUBTRACT", 1.0, roughness)
-        sheen = self._math("MULTIPLY", self._math("MULTIPLY", gloss, HIGHLIGHT), smooth)
+        sheen = self._math("MULTIPLY", self._math("MULTIPLY", mirrored, highlight), smooth)
         light = self._vector("SCALE", colour, scale=matt)
         grey = self._nodes.new("ShaderNodeCombineXYZ")
         for axis in "XYZ":
@@ -77,7 +83,7 @@ class LitMaterial:
             "MAXIMUM", self._vector("DOT_PRODUCT", self._geometry.outputs["Normal"], to_lamp), 0.0
         )
         mirrored = self._math("DIVIDE", self._vector("DOT_PRODUCT", self._mirrored, to_lamp), distance)
-        lobe = self._math("POWER", self._math("MAXIMUM", mirrored, 0.0), HIGHLIGHT_EXPONENT)
+        lobe = self._math("POWER", self._math("MAXIMUM", mirrored, 0.0), self._exponent)
         return self._math("DIVIDE", facing, cube), self._math("DIVIDE", lobe, squared)
 
     def _emit(self, light: Any) -> None:  # noqa: ANN401

@@ -41,7 +41,13 @@ def build_scene(spec: Spec, texture: Path | None) -> Scene:
     _settings(scene, spec)
     cable = _mesh_object(cable_mesh(spec.cable, spec.robot))
     strength = LAMP_LIGHT * spec.light.lamp_strength
-    sheath = LitMaterial(texture, len(spec.blocks), strength, spec.light.daylight)
+    sheath = LitMaterial(
+        texture,
+        lamps=len(spec.blocks),
+        strength=strength,
+        ambient=spec.light.daylight,
+        gloss=spec.cable.material.gloss,
+    )
     cable.data.materials.append(sheath.material)
     scene.collection.objects.link(cable)
     _sky(scene, spec)

@@ -8,13 +8,13 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from pipeline.core.vocabulary import LambdaRadius, TravelDirection
-
-
-class MaterialKind(StrEnum):
-    """What the sheath of the cable is made of."""
-
-    HDPE = "hdpe"
-    PAINTED = "painted"
+from synth.spec_cable import Cable as Cable
+from synth.spec_cable import Defect as Defect
+from synth.spec_cable import DefectKind as DefectKind
+from synth.spec_cable import Fillet as Fillet
+from synth.spec_cable import Material as Material
+from synth.spec_cable import MaterialKind as MaterialKind
+from synth.spec_cable import Station as Station
 
 
 class Output(StrEnum):
@@ -22,84 +22,6 @@ class Output(StrEnum):
 
     VIDEO = "video"
     IMAGES = "images"
-
-
-@dataclass(frozen=True, kw_only=True)
-class Station:
-    """A place along the cable where the diameter is set and will be asked for.
-
-    Attributes:
-        name: unique name.
-        position_m: along the axis from the first frame.
-        diameter_mm: mean diameter there; None takes the cable's constant diameter (all stations or none).
-    """
-
-    name: str
-    position_m: float
-    diameter_mm: float | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class Material:
-    """What the surface looks like.  Strengths run from 0 (absent) to 1 (heavy).
-
-    Attributes:
-        kind: weathered polyethylene sheath or paint.
-        grain: fine natural mottling of the material itself.
-        dirt: blotches of soot and dust.
-        streaks: marks of running water along the axis.
-        scratches: thin scrapes from handling and stay ropes.
-        speckle: small specks: lichen, splashes, dust grains.
-        texel_mm: side of a texel of the painted-on texture.
-    """
-
-    kind: MaterialKind = MaterialKind.HDPE
-    grain: float = 0.5
-    dirt: float = 0.5
-    streaks: float = 0.5
-    scratches: float = 0.5
-    speckle: float = 0.5
-    texel_mm: float = 0.2
-
-
-@dataclass(frozen=True, kw_only=True)
-class Fillet:
-    """Two helical ribs, half a turn apart, that break up rain rivulets; right-handed about +y.
-
-    Attributes:
-        height_mm: rise of the crest over the sheath.
-        width_mm: width of the cosine-squared rib, measured around the circumference.
-        pitch_m: length of one turn along the axis.
-        angle_deg: azimuth of the first rib at y = 0.
-    """
-
-    height_mm: float = 2.0
-    width_mm: float = 8.0
-    pitch_m: float = 0.6
-    angle_deg: float = 30.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class Cable:
-    """The body that is measured.
-
-    Attributes:
-        diameter_mm: constant mean diameter, used where no station sets one.
-        station: stations in the order of position.
-        ovality_mm: largest minus smallest diameter of the elliptic cross-section.
-        ovality_angle_deg: azimuth of the largest diameter.
-        margin_m: cable before the first and behind the last position of the robot.
-        material: what it looks like.
-        fillet: helical ribs, or None.
-    """
-
-    diameter_mm: float = 110.0
-    station: tuple[Station, ...] = ()
-    ovality_mm: float = 0.0
-    ovality_angle_deg: float = 0.0
-    margin_m: float = 0.30
-    material: Material = field(default_factory=Material)
-    fillet: Fillet | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -181,9 +103,12 @@ class Sensor:
         read_noise_e: standard deviation of the read-out, electrons.
         vignetting: loss of light in the image corner, 0 to 1.
         motion_blur_mm: path of the ring while the shutter is open, centred on the moment of the frame.
-        samples: rays per pixel; with motion blur shared out over 8 moments of the open shutter.
+        readout_share: rolling shutter: share of the frame interval between the first and the last row of the
+            image; the moment of the frame is that of the middle row.
+        samples: rays per pixel; with motion blur shared out over the moments of the open shutter.
         output: video or images.
         video_crf: H.264 quality, 0 (lossless) to 51; lower is better.
+        video_mbit_per_s: H.264 at this bit rate instead of constant quality; 0 leaves it to video_crf.
         frames_per_second: of the video.
     """
 
@@ -192,9 +117,11 @@ class Sensor:
     read_noise_e: float = 4.0
     vignetting: float = 0.15
     motion_blur_mm: float = 0.0
+    readout_share: float = 0.0
     samples: int = 8
     output: Output = Output.VIDEO
     video_crf: float = 12.0
+    video_mbit_per_s: float = 0.0
     frames_per_second: int = 10
 
 
@@ -209,6 +136,9 @@ class SurveyClaim:
         lambda_error: added to the stated lambda.
         travel_error_percent: stated travel is off by this much.
         diameter_given: whether the nominal diameter is stated.
+        principal_point_error_percent: stated principal point is off by this much of the image width, in the
+            image direction (0.8, 0.6).
+        lost_blocks: blocks that are left out, as if their video had been lost; truth.json keeps them.
     """
 
     calibrated: bool = False
@@ -217,6 +147,8 @@ class SurveyClaim:
     lambda_error: float = 0.0
     travel_error_percent: float = 0.0
     diameter_given: bool = True
+    principal_point_error_percent: float = 0.0
+    lost_blocks: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,10 +4,12 @@ import itertools
 import math
 from typing import NoReturn
 
+import numpy as np
+
 from pipeline.core.errors import StageError
 from synth.lens import max_distorted_radius
 from synth.spec import Spec
-from synth.surface import largest_radius_m
+from synth.surface import axis_m, base_radius_m, largest_radius_m
 
 STAGE = "spec"
 
@@ -25,7 +27,9 @@ def check_together(spec: Spec) -> None:
     """
     _check_stations(spec)
     _check_fillet(spec)
-    reach_m = largest_radius_m(spec.cable) + 0.02
+    _check_defects(spec)
+    _check_lost(spec)
+    reach_m = largest_radius_m(spec.cable) + 0.02 + _widest_bow_m(spec)
     if spec.robot.standoff_m < reach_m:
         refuse("robot.standoff_m", f"is {spec.robot.standoff_m} m", f"give at least {reach_m:.3f} m")
     if len({angle % 360.0 for angle in spec.angles_deg}) < len(spec.angles_deg):
@@ -67,3 +71,33 @@ def _check_fillet(spec: Spec) -> None:
     fillet = spec.cable.fillet
     if fillet is not None and fillet.width_mm >= math.pi * spec.cable.diameter_mm / 4:
         refuse("cable.fillet.width_mm", f"is {fillet.width_mm} mm", "keep it below a quarter of the girth")
+
+
+def _check_defects(spec: Spec) -> None:
+    girth_mm = 2000.0 * math.pi * base_radius_m(spec.cable)
+    if spec.cable.defect and spec.cable.fillet is not None:
+        refuse("cable.defect", "does not go with cable.fillet", "leave one of them out")
+    for i, defect in enumerate(spec.cable.defect):
+        key = f"cable.defect[{i}]"
+        if not 0 <= defect.position_m <= spec.robot.travel_m:
+            remedy = f"give a place on the travel, 0 to {spec.robot.travel_m} m"
+            refuse(f"{key}.position_m", f"is {defect.position_m} m", remedy)
+        if defect.width_mm > girth_mm / 2.0:
+            refuse(f"{key}.width_mm", f"is {defect.width_mm} mm", "keep it below half of the girth")
+        if defect.height_mm > min(defect.width_mm, defect.length_mm) / 4.0:
+            remedy = "keep it below a quarter of width_mm and length_mm"
+            refuse(f"{key}.height_mm", f"is {defect.height_mm} mm", remedy)
+
+
+def _widest_bow_m(spec: Spec) -> float:
+    ends = np.array([-spec.cable.margin_m, spec.robot.travel_m / 2.0])
+    return float(np.hypot(*axis_m(spec.cable, spec.robot.travel_m, ends)).max())
+
+
+def _check_lost(spec: Spec) -> None:
+    lost = spec.survey.lost_blocks
+    for i, block in enumerate(lost):
+        if block not in spec.blocks:
+            refuse(f"survey.lost_blocks[{i}]", f"is {block!r}", f"name one of {', '.join(spec.blocks)}")
+    if set(lost) == set(spec.blocks):
+        refuse("survey.lost_blocks", "leaves no block", "keep at least one")

@@ -22,6 +22,7 @@ POSITIVE = frozenset(
         "texel_mm",
         "height_mm",
         "width_mm",
+        "length_mm",
         "pitch_m",
         "margin_m",
         "standoff_m",
@@ -51,10 +52,15 @@ NON_NEGATIVE = frozenset(
         "full_well_e",
         "read_noise_e",
         "motion_blur_mm",
+        "bow_mm",
+        "speck_density",
+        "video_mbit_per_s",
         "focal_spread_percent",
     ]
 )
-FRACTION = frozenset(["grain", "dirt", "streaks", "scratches", "speckle", "vignetting"])
+FRACTION = frozenset(
+    ["grain", "dirt", "streaks", "scratches", "speckle", "mottling", "gloss", "vignetting", "readout_share"]
+)
 
 
 def read_spec(path: Path) -> Spec:
@@ -158,5 +164,7 @@ def _check_number(value: float, key: str) -> None:
         refuse(key, f"is {value}", "give a number from 0 to 1")
     if name == "frames" and value < 2:
         refuse(key, f"is {value}", "give at least 2 frames")
+    if name == "drawn_out" and value < 1:
+        refuse(key, f"is {value}", "give 1 or more")
     if name == "video_crf" and not 0 <= value <= 51:
         refuse(key, f"is {value}", "give a number from 0 to 51")

@@ -37,18 +37,19 @@ def surface_texture(cable: Cable, robot: Robot, seed: int) -> Picture:
     rows, columns = texture_shape(cable, robot)
     material, texel = cable.material, cable.material.texel_mm
     rng = np.random.default_rng([seed, 41])
-    layers = _Layers(rng, (rows, columns), texel)
+    layers = _Layers(rng, (rows, columns), texel, material.drawn_out)
     grain = material.grain * 2.0
     log_albedo = 0.12 * grain * layers.noise(0.3, 2.5) + 0.08 * grain * layers.noise(1.5, 14.0)
-    log_albedo += 0.10 * layers.noise(15.0, 150.0)
+    log_albedo += 0.20 * material.mottling * layers.noise(15.0, 150.0)
     streaks = layers.streaks()
     soot = layers.dirt() * material.dirt + np.clip(streaks, 0.0, None) * material.streaks * 0.6
     log_albedo += material.streaks * 0.30 * np.clip(-streaks, 0.0, None)  # washed clean
-    log_albedo += material.scratches * 1.1 * layers.scratches() + material.speckle * 1.3 * layers.specks()
+    scratches, specks = layers.scratches(), layers.specks(material.speck_density)
+    log_albedo += material.scratches * 1.1 * scratches + material.speckle * 1.3 * specks
     tint = np.array(SOOT_TINT, np.float32)
     exponent = log_albedo[..., None] - 1.1 * soot[..., None] * tint
     albedo = np.array(BASE_ALBEDO[material.kind], np.float32) * np.exp(exponent)
-    roughness = BASE_ROUGHNESS[material.kind] + 0.25 * soot + 0.05 * layers.noise(1.0, 10.0)
+    roughness = BASE_ROUGHNESS[material.kind] + 0.25 * soot + 0.05 * grain * layers.noise(1.0, 10.0)
     return np.clip(np.dstack([albedo, roughness]), 0.02, 0.90).astype(np.float32)
 
 
@@ -69,16 +70,19 @@ def encode(texture: Picture) -> NDArray[np.uint8]:
 class _Layers:
     """The layers of one texture, each drawn from the same generator in a fixed order."""
 
-    def __init__(self, rng: np.random.Generator, shape: tuple[int, int], texel_mm: float) -> None:
+    def __init__(
+        self, rng: np.random.Generator, shape: tuple[int, int], texel_mm: float, drawn_out: float
+    ) -> None:
         self._rng = rng
         self._shape = shape
         self._texel_mm = texel_mm
+        self._drawn_out = drawn_out
         self._along = np.abs(fft.fftfreq(shape[0], texel_mm)).astype(np.float32)[:, None]  # cycles per mm
         self._around = fft.rfftfreq(shape[1], texel_mm).astype(np.float32)[None, :]
 
     def noise(self, finest_mm: float, coarsest_mm: float, stretch: float = 1.0) -> Picture:
         """Noise of unit variance, equal power per octave between two wavelengths, longer along the axis."""
-        frequency = np.hypot(self._along * stretch, self._around)
+        frequency = np.hypot(self._along * stretch * self._drawn_out, self._around)
         low, high = 1.0 / coarsest_mm, 1.0 / finest_mm
         gain = np.where(frequency > 0.0, 1.0 / np.maximum(frequency, low), 0.0)
         gain *= np.exp(-((frequency / high) ** 2)) * (1.0 - np.exp(-((frequency / low) ** 2)))
@@ -123,8 +127,8 @@ class _Layers:
             points = np.rint(16.0 * np.stack([x + turn * self._shape[1], y], axis=1)).astype(np.int32)
             cv2.polylines(drawn, [points[:, None]], False, level, 1, cv2.LINE_AA, 4)
 
-    def specks(self) -> Picture:
-        """Small round specks of several sizes, dark and light."""
+    def specks(self, density: float) -> Picture:
+        """Small round specks of several sizes, dark and light; a density of 1 is the usual number."""
         total = np.zeros(self._shape, np.float32)
         for radius_mm, per_cm2, weight in (
             (0.25, 9.0, 0.8),
@@ -132,7 +136,7 @@ class _Layers:
             (1.0, 0.35, 0.7),
             (2.2, 0.04, 0.5),
         ):
-            total += weight * self._specks_of(radius_mm, per_cm2)
+            total += weight * self._specks_of(radius_mm, density * per_cm2 / self._drawn_out)
         return np.clip(total, -1.0, 1.0)
 
     def _specks_of(self, radius_mm: float, per_cm2: float) -> Picture:
@@ -143,10 +147,12 @@ class _Layers:
         strength = rng.uniform(0.3, 1.0, count) * np.where(rng.random(count) < 0.65, -1.0, 1.0)
         impulses[rng.integers(0, rows, count), rng.integers(0, columns, count)] = strength
         sigma = radius_mm / self._texel_mm / 1.5
-        pad = math.ceil(4.0 * sigma)
-        wrapped = cv2.copyMakeBorder(impulses, pad, pad, pad, pad, cv2.BORDER_WRAP)
-        blurred = cv2.GaussianBlur(wrapped, (2 * pad + 1, 2 * pad + 1), sigma)[pad:-pad, pad:-pad]
-        return np.asarray(np.tanh(1.6 * blurred * 2.0 * math.pi * sigma**2), np.float32)
+        long = sigma * self._drawn_out
+        across, along = math.ceil(4.0 * sigma), math.ceil(4.0 * long)
+        wrapped = cv2.copyMakeBorder(impulses, along, along, across, across, cv2.BORDER_WRAP)
+        size = (2 * across + 1, 2 * along + 1)
+        blurred = cv2.GaussianBlur(wrapped, size, sigma, sigmaY=long)[along:-along, across:-across]
+        return np.asarray(np.tanh(1.6 * blurred * 2.0 * math.pi * sigma * long), np.float32)
 
 
 def _smoothstep(x: Picture, low: float, high: float) -> Picture:

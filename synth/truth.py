@@ -1,25 +1,31 @@
 """truth.json: what the survey really was, computed from the spec alone, and the survey.toml that claims it.
 
 Layout of truth.json: ``format`` 1; ``stations`` [{name, position_m, diameter_mm, base_diameter_mm}], where
-diameter_mm is the mean over the azimuth of 2 r (fillets included) and base_diameter_mm the same without
-fillets; ``radius_mm`` {theta_deg, position_m, values}, one row of values per position; ``poses`` {block:
-[{frame, cam_from_world}]}, 3 x 4; ``lenses`` {block: {...}}; ``travel_m``; ``spec``.
+diameter_mm is the mean over the azimuth of 2 r (fillets and defects included) and base_diameter_mm the same
+without them; ``radius_mm`` {theta_deg, position_m, values}, one row of values per position, about the local
+axis; ``axis`` [{position_m, x_mm, z_mm}], that axis; ``defects`` [{kind, position_m, azimuth_deg, length_mm,
+width_mm, height_mm, peak_mm}], where peak_mm is how far the surface stands out over the sheath at the centre,
+negative for a dent; ``poses`` {block: [{frame, cam_from_world}]}, 3 x 4; ``lenses`` {block: {...}};
+``travel_m``; ``spec``.
 """
 
 import json
 import math
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
 
-from synth.lens import block_lenses
+from pipeline.core.vocabulary import Array
+from synth.lens import block_lenses, principal_point
 from synth.motion import block_poses
 from synth.spec import Output, Spec
 from synth.spec_reader import effective
-from synth.surface import base_radius_m, mean_diameter_mm, mean_radius_m, radius_m
+from synth.surface import axis_m, base_radius_m, mean_diameter_mm, mean_radius_m, radius_m
 
 RADIUS_STEP_DEG = 2.0
 RADIUS_STEP_M = 0.002
+PRINCIPAL_POINT_ERROR_DIRECTION = (0.8, 0.6)  # x and y of the image
 
 
 def truth_of(spec: Spec) -> dict[str, Any]:
@@ -28,6 +34,8 @@ def truth_of(spec: Spec) -> dict[str, Any]:
         "format": 1,
         "stations": _stations(spec),
         "radius_mm": _radius_map(spec),
+        "axis": _axis(spec),
+        "defects": _defects(spec),
         "poses": _poses(spec),
         "lenses": _lenses(spec),
         "travel_m": spec.robot.travel_m,
@@ -49,14 +57,38 @@ def _stations(spec: Spec) -> list[dict[str, Any]]:
 
 def _radius_map(spec: Spec) -> dict[str, Any]:
     theta_deg = np.arange(0.0, 360.0, RADIUS_STEP_DEG)
-    rows = math.ceil(spec.robot.travel_m / RADIUS_STEP_M) + 1
-    position_m = np.linspace(0.0, spec.robot.travel_m, rows)
+    position_m = _positions_m(spec)
     values_mm = 1000.0 * radius_m(spec.cable, np.radians(theta_deg)[None, :], position_m[:, None])
     return {
         "theta_deg": theta_deg.tolist(),
         "position_m": position_m.tolist(),
         "values": np.round(values_mm, 6).tolist(),
     }
+
+
+def _positions_m(spec: Spec) -> Array:
+    rows = math.ceil(spec.robot.travel_m / RADIUS_STEP_M) + 1
+    return np.linspace(0.0, spec.robot.travel_m, rows)
+
+
+def _axis(spec: Spec) -> list[dict[str, float]]:
+    position_m = _positions_m(spec)
+    x_m, z_m = axis_m(spec.cable, spec.robot.travel_m, position_m)
+    return [
+        {"position_m": float(y), "x_mm": round(1000.0 * float(x), 9), "z_mm": round(1000.0 * float(z), 9)}
+        for y, x, z in zip(position_m, x_m, z_m, strict=True)
+    ]
+
+
+def _defects(spec: Spec) -> list[dict[str, Any]]:
+    """What the spec says of each, and what overlapping ones make of it."""
+    bare = replace(spec.cable, defect=())
+    found = []
+    for defect in spec.cable.defect:
+        place = np.array(math.radians(defect.azimuth_deg)), np.array(defect.position_m)
+        peak_m = float(radius_m(spec.cable, *place) - radius_m(bare, *place))
+        found.append({**asdict(defect), "kind": str(defect.kind), "peak_mm": round(1000.0 * peak_m, 9)})
+    return found
 
 
 def _poses(spec: Spec) -> dict[str, Any]:
@@ -100,8 +132,9 @@ def survey_toml(spec: Spec) -> str:
         ]
     lines += ["", "[robot]", f"standoff_m = {_num(robot.standoff_m)}"]
     lines.append(f"synchronised = {str(robot.synchronised).lower()}")
-    for index in range(len(spec.blocks)):
-        lines += _block_lines(spec, index)
+    for index, block in enumerate(spec.blocks):
+        if block not in claim.lost_blocks:
+            lines += _block_lines(spec, index)
     return "\n".join(lines) + "\n"
 
 
@@ -117,8 +150,9 @@ def _block_lines(spec: Spec, index: int) -> list[str]:
         "[block.lens]",
         f"focal_px = {_num(lens.focal_px * (1.0 + claim.focal_error_percent / 100.0))}",
     ]
-    if lens.principal_point_px is not None:
-        x, y = lens.principal_point_px
+    off_px = claim.principal_point_error_percent / 100.0 * lens.width_px
+    if lens.principal_point_px is not None or off_px:
+        x, y = np.add(principal_point(lens), off_px * np.array(PRINCIPAL_POINT_ERROR_DIRECTION))
         lines.append(f"principal_point_px = [{_num(x)}, {_num(y)}]")
     if claim.lambda_given:
         lines.append(f"division_lambda = {_num(lens.division_lambda + claim.lambda_error)}")

@@ -77,6 +77,7 @@ class RingOrientation:
         diameter_sigma_mm: (n,) standard deviation of a diameter there from orientations and lenses, travel
             taken as exact;
         lens_sigma_mm: (n,) the lenses' share of it.
+        shared_marks: marks that two blocks share.
         shared_residual_px: root mean square residual of the shared marks.
         iterations: steps of the last adjustment.
     """
@@ -86,6 +87,7 @@ class RingOrientation:
     section_y_m: Array
     diameter_sigma_mm: Array
     lens_sigma_mm: Array
+    shared_marks: int
     shared_residual_px: float
     iterations: int
 
@@ -129,6 +131,7 @@ def adjust_ring(
         section_y_m=section_y,
         diameter_sigma_mm=total,
         lens_sigma_mm=lens_part,
+        shared_marks=len(shared.points),
         shared_residual_px=float(np.sqrt(np.nanmean(np.sum(residual**2, axis=1)))) if len(residual) else 0.0,
         iterations=result.iterations,
     )

@@ -193,7 +193,8 @@ def _mosaic(run: CableRun) -> MosaicSummary:
             for j in joins
         ),
         scale_corrections={n: float(s) for n, s in zip(names, run.mosaic.placement.scales, strict=True)},
-        tie_points=sum(j.pairs for j in joins),
+        tie_points=sum(j.pairs for j in joins) if run.together is None else run.together.shared_marks,
+        shared_residual_px=float("nan") if run.together is None else run.together.shared_residual_px,
     )
 
 

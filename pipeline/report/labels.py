@@ -240,6 +240,12 @@ TEXTS: dict[str, tuple[str, str]] = {
         "共 {total} 个测点，显示其中 {shown} 个。",
     ),
     # Mosaic
+    "together_caption": (
+        "All cameras were adjusted together as one rig, tied by {value} marks that neighbours share (root "
+        "mean square residual {residual} px). How well the surfaces fit where they overlap:",
+        "所有相机作为一个整体联合平差，相邻模块共享 {value} 个标志点（残差均方根 {residual} 像素）。"
+        "相邻表面重叠处的吻合程度：",
+    ),
     "mosaic_caption": (
         "Single-point mosaicking of neighbouring blocks; {value} tie points are seen from more than one "
         "block.",
@@ -262,11 +268,14 @@ TEXTS: dict[str, tuple[str, str]] = {
     "stage_pos": ("POS", "POS 构造"),
     "stage_match": ("match", "影像匹配"),
     "stage_adjust": ("adjust", "平差"),
+    "stage_closing": ("closing", "闭合匹配"),
+    "stage_joint": ("joint", "整体平差"),
     "stage_dense": ("dense", "密集匹配"),
     "stage_surface": ("surface", "构网"),
     "stage_texture": ("texture", "纹理映射"),
     "stage_crop": ("crop", "裁剪"),
     "stage_mosaic": ("mosaic", "拼接"),
+    "stage_ring": ("ring", "合成整环"),
     "stage_measure": ("measure", "直径测量"),
     "stage_report": ("report", "报告"),
     # Files

@@ -3,6 +3,8 @@
 Takes records of ``types`` and a :class:`~pipeline.report.markup.Writer`, gives HTML.
 """
 
+import math
+
 from pipeline.report import paper
 from pipeline.report.labels import TEXTS, Label, label
 from pipeline.report.markup import DASH, Row, Writer, escaped, number, signed, thousands
@@ -171,9 +173,15 @@ def mosaic_table(writer: Writer, mosaic: MosaicSummary) -> str:
         )
         for joint in mosaic.joints
     ]
-    caption = writer.say("mosaic_caption", "figcaption", value=thousands(mosaic.tie_points))
+    together = math.isfinite(mosaic.shared_residual_px)
+    caption = writer.say(
+        "together_caption" if together else "mosaic_caption",
+        "figcaption",
+        value=thousands(mosaic.tie_points),
+        residual=number(mosaic.shared_residual_px, 2),
+    )
     joints = writer.table(caption, heads, rows)
-    if not mosaic.scale_corrections:
+    if together or not mosaic.scale_corrections:
         return joints
     heads = [writer.say(key, "th", 'scope="col"') for key in ("block", "scale_correction")]
     rows = [

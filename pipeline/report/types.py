@@ -207,17 +207,20 @@ class MosaicJoint:
 
 @dataclass(frozen=True, kw_only=True)
 class MosaicSummary:
-    """The single-point mosaicking of all blocks (paper, section 3.3).
+    """How all blocks came together: mosaicking (paper, section 3.3) or the joint adjustment.
 
     Attributes:
         joints: one entry for each pair of neighbours.
         scale_corrections: block to scale factor (1.0 is none).
         tie_points: points seen from more than one block.
+        shared_residual_px: where all cameras were adjusted together, the residual of the shared marks; NaN
+            where the blocks were adjusted alone and joined afterwards.
     """
 
     joints: tuple[MosaicJoint, ...]
     scale_corrections: Mapping[str, float]
     tie_points: int
+    shared_residual_px: float = float("nan")
 
 
 @dataclass(frozen=True, kw_only=True)

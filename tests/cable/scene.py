@@ -1,8 +1,8 @@
 """A cable painted in code: exact pictures of a known surface, from known places, through a known lens.
 
-Takes nothing from the pipeline but its records; every formula (attitude, lens, ray against surface) is written
-here a second time and in another way, so that truth comes by an independent hand.  The texture is a spline
-through smoothed noise: smooth and band-limited, it can be evaluated exactly at any azimuth and place.
+Takes nothing from the pipeline but its records; every formula (attitude, lens, ray against surface) is
+written here a second time and in another way, so that truth comes by an independent hand.  The texture is a
+spline through smoothed noise: smooth and band-limited, it can be evaluated exactly at any azimuth and place.
 """
 
 from dataclasses import dataclass, field
@@ -19,6 +19,7 @@ RADIUS_M, STANDOFF_M, STEP_M, FRAMES = 0.055, 0.3, 0.02, 10
 TRAVEL_M = STEP_M * (FRAMES - 1)
 WIDTH_PX, HEIGHT_PX, FOCAL_PX = 320, 200, 400.0
 HALF_DIAGONAL_PX = np.hypot(WIDTH_PX, HEIGHT_PX) / 2
+MIDDLE_PX = np.array([WIDTH_PX / 2, HEIGHT_PX / 2])
 BARREL = -0.06
 BACKGROUND = 25.0
 TINT = np.array([0.75, 0.9, 1.0])  # blue, green, red: so that a swap of channels shows
@@ -117,11 +118,11 @@ class Scene:
         radius, bend = np.maximum(np.hypot(*ideal), 1e-12), self.lens.division_lambda
         # lambda u d^2 - d + u = 0 for the distorted radius d
         distorted = radius if bend == 0 else (1 - np.sqrt(1 - 4 * bend * radius**2)) / (2 * bend * radius)
-        return (ideal * distorted / radius * HALF_DIAGONAL_PX).T + [WIDTH_PX / 2, HEIGHT_PX / 2]
+        return (ideal * distorted / radius * HALF_DIAGONAL_PX).T + MIDDLE_PX
 
     def meet(self, frame, pixels):
         """Surface points (n, 3) under pixels (n, 2), NaN beside the cable."""
-        offset = (np.asarray(pixels, dtype=float) - [WIDTH_PX / 2, HEIGHT_PX / 2]) / HALF_DIAGONAL_PX
+        offset = (np.asarray(pixels, dtype=float) - MIDDLE_PX) / HALF_DIAGONAL_PX
         bend = 1 + self.lens.division_lambda * np.sum(offset**2, axis=1, keepdims=True)
         ray = np.hstack([offset / bend * HALF_DIAGONAL_PX / FOCAL_PX, np.ones((len(offset), 1))])
         ray = ray @ self.poses.rotations[frame]

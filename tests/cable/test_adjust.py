@@ -66,7 +66,9 @@ def test_place_and_scale_are_those_of_the_pos(exact, barrel_view):
     found, spots = exact
     np.testing.assert_allclose(found.poses.centres[[0, -1], 1], [0, scene.TRAVEL_M], atol=5e-5)
     assert fit_similarity(found.points, spots).scale == pytest.approx(1, abs=0.002)
-    np.testing.assert_allclose(found.poses.centres.mean(axis=0), scene.poses().centres.mean(axis=0), atol=3e-4)
+    np.testing.assert_allclose(
+        found.poses.centres.mean(axis=0), scene.poses().centres.mean(axis=0), atol=3e-4
+    )
 
 
 def test_residuals_are_as_large_as_the_noise_that_went_in(noisy):
@@ -193,5 +195,5 @@ def test_progress_grows_and_ends_within_its_total(barrel_view):
     adjust(barrel_view, ties, emit=events.append)
     shares = [e.done / e.total for e in events]
     assert {(e.stage, e.block) for e in events} == {("adjust", "Block1")}
-    assert 0 <= min(shares)
+    assert min(shares) >= 0
     assert max(shares) <= 1

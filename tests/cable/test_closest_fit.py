@@ -9,6 +9,7 @@ from pipeline.cable.closest_fit import Placement, Tie, fit_pieces
 
 LOOSE, HELD = np.diag([1.0] * 7), np.diag([1e12] * 7)
 MM = 1e-3
+SIDEWAYS = np.array([2 * MM, 0, 0])
 
 
 def still(pieces, origin=(0.0, 0.05, 0.0)):
@@ -112,11 +113,19 @@ def test_pieces_that_are_held_to_each_other_move_together():
     """The prior may say that two pieces stand well to each other, though nobody knows where both stand."""
     known_difference, known_place = 1e12 * np.eye(7), 1.0 * np.eye(7)
     together = np.block(
-        [[known_place + known_difference, -known_difference], [-known_difference, known_place + known_difference]]
+        [
+            [known_place + known_difference, -known_difference],
+            [-known_difference, known_place + known_difference],
+        ]
     )
     points = cloud(20)
-    pull = Tie(first=0, second=1, points_first=points, points_second=points + [2 * MM, 0, 0],
-               whitening=np.tile(np.eye(3) / (0.1 * MM), (20, 1, 1)))  # fmt: skip
+    pull = Tie(
+        first=0,
+        second=1,
+        points_first=points,
+        points_second=points + SIDEWAYS,
+        whitening=np.tile(np.eye(3) / (0.1 * MM), (20, 1, 1)),
+    )
     onto_third = information(np.diag([1e12] * 7), together)
     ties = [pull]
     found = fit_pieces(still(3), onto_third, lambda _: ties).placement.deviation()
@@ -131,7 +140,7 @@ def test_two_equal_pieces_meet_in_the_middle():
         first=0,
         second=1,
         points_first=points,
-        points_second=points + [2 * MM, 0, 0],
+        points_second=points + SIDEWAYS,
         whitening=np.eye(3)[None] / (100 * MM),
     )
     sigma = 1 * MM
@@ -139,8 +148,13 @@ def test_two_equal_pieces_meet_in_the_middle():
     soft = fit_pieces(still(2), information(held, held), lambda _: [gap]).placement
     pull = sigma**2 / (2 * sigma**2 + (100 * MM) ** 2)  # weighted mean in closed form
     np.testing.assert_allclose(soft.shifts[:, 0], [2 * MM * pull, -2 * MM * pull], rtol=1e-3)
-    firm = Tie(first=0, second=1, points_first=points, points_second=gap.points_second,
-               whitening=np.eye(3)[None] * 1e6)  # fmt: skip
+    firm = Tie(
+        first=0,
+        second=1,
+        points_first=points,
+        points_second=gap.points_second,
+        whitening=np.eye(3)[None] * 1e6,
+    )
     shifts = fit_pieces(still(2), information(held, held), lambda _: [firm]).placement.shifts
     np.testing.assert_allclose(shifts[:, 0], [1 * MM, -1 * MM], atol=2e-6)
 
@@ -151,7 +165,7 @@ def test_a_direction_that_is_left_free_does_not_pull():
         first=0,
         second=1,
         points_first=points,
-        points_second=points + [0.3 * MM, -0.2 * MM, 5 * MM],
+        points_second=points + np.array([0.3 * MM, -0.2 * MM, 5 * MM]),
         whitening=np.tile(np.diag([1e4, 1e4, 0.0]), (40, 1, 1)),
     )
     only_shift = np.diag([1e14] * 3 + [1.0] * 3 + [1e14])
@@ -185,8 +199,9 @@ def test_gross_errors_among_the_ties_lose_their_say():
     good = tie(truth, 0, 1, noise_m=0.05 * MM)
     wrong = good.points_second.copy()
     wrong[::10] += 20 * MM
-    spoiled = Tie(first=0, second=1, points_first=good.points_first, points_second=wrong,
-                  whitening=good.whitening)  # fmt: skip
+    spoiled = Tie(
+        first=0, second=1, points_first=good.points_first, points_second=wrong, whitening=good.whitening
+    )
     clean, robust = (
         fit_pieces(still(2), information(HELD, 1e-6 * LOOSE), lambda _, t=t: [t], iterations=40).placement
         for t in (good, spoiled)

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import pycolmap
 import pytest
+from scipy.spatial.transform import Rotation
 
 from pipeline.cable.dense import DenseMethod, DenseOptions, sweep_block
 from pipeline.core.errors import StageError
@@ -88,10 +89,8 @@ def test_a_bump_stands_out_of_the_map(barrel_view, tmp_path):
 
 def test_the_camera_may_stand_anywhere_around_the_cable(tmp_path):
     view = scene.Scene(poses=scene.poses(azimuth_deg=250.0, frames=6), lens=scene.lens(scene.BARREL))
-    points = scene.cable_points(view) @ np.array(
-        [[np.cos(np.radians(250)), 0, -np.sin(np.radians(250))], [0, 1, 0],
-         [np.sin(np.radians(250)), 0, np.cos(np.radians(250))]]
-    )  # fmt: skip
+    turn = Rotation.from_euler("y", 250, degrees=True).as_matrix()
+    points = scene.cable_points(view) @ turn.T
     orientation = replace(scene.true_orientation(view), points=points)
     found = sweep(view.write(tmp_path / "f"), orientation, tmp_path, azimuth_deg=250.0)
     assert np.rad2deg(found.azimuth.mean()) == pytest.approx(250)

@@ -1,4 +1,4 @@
-"""Tie points are the same spots of the cable in the original pixels; wrong matches and blind frames are told."""
+"""Tie points are the same spots of the cable in the original pixels; wrong matches are thrown out."""
 
 from dataclasses import replace
 
@@ -110,9 +110,7 @@ def frames_with(barrel_frames, barrel_view, folder, number, picture):
 
 
 @pytest.mark.parametrize("kind", ["blank", "unrelated"])
-def test_a_frame_that_shares_nothing_with_the_others_is_named(
-    barrel_frames, barrel_view, tmp_path, kind
-):
+def test_a_frame_that_shares_nothing_with_the_others_is_named(barrel_frames, barrel_view, tmp_path, kind):
     stranger = barrel_stranger().picture(5)
     picture = np.full_like(stranger, 90) if kind == "blank" else stranger
     frames = frames_with(barrel_frames, barrel_view, tmp_path, 5, picture)

@@ -235,9 +235,18 @@ def test_the_alignment_itself_is_taken_from_the_ring():
     ring = build(blocks, crops, mosaic, cell_mm=2.0, texel_mm=4.0)
     shifted = replace(ring, alignment=Alignment(rotation=np.eye(3), translation=np.array([0.002, 0, -0.001])))
     found = measure_ring(
-        blocks, crops, mosaic, shifted, (0.03,) * 4, (LENS_KNOWN,) * 4, 0.0, STATIONS, 0.12, MeasureOptions(),
+        blocks,
+        crops,
+        mosaic,
+        shifted,
+        (0.03,) * 4,
+        (LENS_KNOWN,) * 4,
+        0.0,
+        STATIONS,
+        0.12,
+        MeasureOptions(),
         scene.silent,
-    )  # fmt: skip
+    )
     np.testing.assert_allclose(found.sections[1].centre_mm, [2, -1], atol=0.01)
     assert found.sections[1].diameter_mm == pytest.approx(110, abs=0.01)
 

@@ -141,11 +141,7 @@ def test_pairs_given_by_hand_replace_the_automatic_ones(astray):
 def test_of_several_pairs_given_by_hand_the_first_is_held(astray):
     marks = truth(np.array([[np.radians(45), 0.02], [np.radians(45), 0.06], [np.radians(46), 0.1]]))
     clumsy = own(pieces.ASTRAY[1], marks) + np.array([[0.3e-3, 0.2e-3, 0], [0, 0, 0], [0, 0, 0]])
-    given = (
-        PointPairs(
-            first=0, second=1, points_first=own(pieces.ASTRAY[0], marks), points_second=clumsy
-        ),
-    )
+    given = (PointPairs(first=0, second=1, points_first=own(pieces.ASTRAY[0], marks), points_second=clumsy),)
     join = mosaic_blocks(astray, given, None, MosaicOptions(), scene.silent).joins[0]
     np.testing.assert_array_equal(join.held, [given[0].points_first[0], clumsy[0]])
 

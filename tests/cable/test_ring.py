@@ -18,9 +18,7 @@ def oval(azimuth, y_m):
 
 
 def build(blocks, crops, mosaic=None, emit=scene.silent, **options):
-    return build_ring(
-        blocks, crops, mosaic or pieces.placed(), pieces.TRAVEL_M, RingOptions(**options), emit
-    )
+    return build_ring(blocks, crops, mosaic or pieces.placed(), pieces.TRAVEL_M, RingOptions(**options), emit)
 
 
 @pytest.fixture(scope="module")

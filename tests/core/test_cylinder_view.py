@@ -1,4 +1,4 @@
-"""Rays meet the cable where an independently written ray tracer says; pixels and surface go there and back."""
+"""Rays meet the cable where an independently written ray tracer says, and go there and back."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Grids of surface points become sound triangles: right area, right side out, nothing where nothing stands."""
+"""Grids of surface points become sound triangles: right area, right side out, holes left open."""
 
 from collections import Counter
 

@@ -93,6 +93,8 @@ def block(index):
         keypoints_per_image=2113.0 + 40 * index,
         reprojection_px=0.161 + 0.004 * index,
         focal_px=720.13,
+        focal_sigma_px=0.0,
+        principal_point_px=(480.0, 300.0),
         division_lambda=-0.02,
         lambda_radius=LambdaRadius.HALF_DIAGONAL,
         lambda_sigma=0.0,

@@ -1,6 +1,7 @@
-"""Each block's own files read back as what the block is: with COLMAP's own reader, and with a mesh library."""
+"""Each block's own files read back as what the block is, by COLMAP's own reader and a mesh library."""
 
 import json
+from pathlib import Path
 
 import cv2  # noqa: F401 - before pycolmap: the other way round the two libraries' PNG writers collide
 import numpy as np
@@ -11,6 +12,7 @@ import trimesh
 from pipeline.cable.records import BlockRun, CableOptions, CableRun
 from pipeline.cable.ring import Alignment
 from pipeline.cable.surface import SurfaceOptions
+from pipeline.cable.survey import Block, LensSpec
 from pipeline.core.errors import StageError
 from pipeline.core.vocabulary import TravelDirection
 from pipeline.report.block_files import write_block_files
@@ -29,8 +31,6 @@ def view():
 
 def block_run(name, number, view, crop_columns):
     """One block; what its files do not tell (lens solution, POS, tie points, radius map) is left out."""
-    from pipeline.cable.survey import Block, LensSpec
-
     joined, crop = pieces.block(90.0 * number, pieces.ASTRAY[number], texture=TEXTURE)
     keep = crop.keep.copy()
     keep[:, :crop_columns] = False
@@ -42,7 +42,7 @@ def block_run(name, number, view, crop_columns):
             travel_in_image=TravelDirection.RIGHT,
             lens_spec=LensSpec(focal_px=scene.FOCAL_PX),
         ),
-        frames=scene.sequence([f"{name}/{k:06d}.png" for k in range(FRAMES)], name),
+        frames=scene.sequence([Path(name) / f"{k:06d}.png" for k in range(FRAMES)], name),
         lens=None,
         pos=None,
         tie_points=None,
@@ -148,9 +148,9 @@ def test_the_meshes_are_the_surface_before_and_after_cropping(folder, run):
     whole, cropped = (mesh(folder, "North", n) for n in ("mesh_uncropped.ply", "mesh.ply"))
     surface = run.blocks[0].surface
     truth_m2 = np.ptp(surface.y_m) * np.ptp(surface.azimuth) * np.median(surface.radius_m)
-    assert whole.area == pytest.approx(truth_m2, rel=0.01)
+    assert 0.975 * truth_m2 < whole.area <= 1.001 * truth_m2  # less than one edge is lost at each border
     share = 1 - 30 / surface.radius_m.shape[1]
-    assert cropped.area == pytest.approx(share * truth_m2, rel=0.02)
+    assert cropped.area / whole.area == pytest.approx(share, abs=0.015)
     edges = np.linalg.norm(np.diff(whole.vertices[whole.faces[:, :2]], axis=1)[:, 0], axis=1)
     assert np.median(edges) == pytest.approx(0.0016, rel=0.45)
 
@@ -185,18 +185,26 @@ def shown(vertices, motion):
     return TEXTURE(np.arctan2(-placed[:, 2], placed[:, 0]), placed[:, 1])
 
 
+def written_colours(mesh):
+    """Vertex colours as they stand in the file; the library itself prefers the texture coordinates."""
+    rows = mesh.metadata["_ply_raw"]["vertex"]["data"]
+    return np.stack([rows[name] for name in ("red", "green", "blue")], axis=1)
+
+
 def test_mesh_and_cloud_carry_the_surface_s_own_colours(folder):
     for name, motion in (("North", pieces.ASTRAY[0]), ("East", pieces.ASTRAY[1])):
         coloured = mesh(folder, name, "mesh.ply")
         cloud = trimesh.load(folder / name / "cloud.ply")
         for places, colours in (
-            (coloured.vertices, coloured.visual.vertex_colors),
+            (coloured.vertices, written_colours(coloured)),
             (cloud.vertices, cloud.colors),
         ):
             truth = shown(places, motion)
             red_green_blue = np.asarray(colours)[:, :3].astype(float)
             assert np.corrcoef(red_green_blue[:, 0], truth)[0, 1] > 0.97
-            np.testing.assert_allclose(red_green_blue.mean(axis=0) / truth.mean(), scene.TINT[::-1], rtol=0.01)
+            np.testing.assert_allclose(
+                red_green_blue.mean(axis=0) / truth.mean(), scene.TINT[::-1], rtol=0.01
+            )
 
 
 def test_the_cloud_holds_every_measured_cell(folder, run):

@@ -27,7 +27,9 @@ SPEC = Spec(
 def test_truth_is_plain_json_with_the_contract_keys():
     truth = json.loads(json.dumps(truth_of(SPEC)))
     assert truth["format"] == 1
-    assert set(truth) == {"format", "stations", "radius_mm", "poses", "lenses", "travel_m", "spec"}
+    assert set(truth) == {
+        *("format", "stations", "radius_mm", "axis", "defects", "poses", "lenses", "travel_m", "spec"),
+    }
     assert truth["travel_m"] == 0.2
     assert truth["spec"]["sensor"]["output"] == "video"
     assert truth["lenses"]["Block3"] == {

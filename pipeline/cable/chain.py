@@ -17,7 +17,7 @@ from pipeline.cable.lens import CableScene, LensSolution, solve_lens, undistort_
 from pipeline.cable.match import TiePoints, match_block
 from pipeline.cable.measure import Measurement, measure_ring
 from pipeline.cable.mosaic import Mosaic, MosaicBlock, PointPairs, mosaic_blocks
-from pipeline.cable.pairs import read_pairs
+from pipeline.cable.pairs import check_pairs, read_pairs
 from pipeline.cable.pos import pos_of_block, robot_priors, travel_share_sigma, write_pos
 from pipeline.cable.records import BlockLens, BlockRun, CableOptions, CableRun, SurveyFrames
 from pipeline.cable.ring import Ring, build_ring
@@ -336,7 +336,10 @@ class Chain:
         names = tuple(b.name for b in self._survey.blocks)
 
         def make() -> Mosaic:
-            given: tuple[PointPairs, ...] | None = read_pairs(pairs, names) if pairs else None
+            given: tuple[PointPairs, ...] | None = None
+            if pairs:
+                given = read_pairs(pairs, names)
+                check_pairs(pairs, given, self._joined())
             settled = self._value("joint").covariance if self.made["joint"] else None
             return mosaic_blocks(self._joined(), given, settled, self._options.mosaic, self._emit)
 

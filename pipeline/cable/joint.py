@@ -278,6 +278,8 @@ def _block_covariance(result: BundleResult, blocks: int) -> Array:
 
 def _refined_lens(number: int, stated: Lens, result: BundleResult) -> Lens:
     """The block's lens as adjusted, with its standard deviations."""
+    if stated.focal_sigma_px == stated.lambda_sigma == 0:
+        return stated  # held: it comes back to the last digit
     rig = result.rig
     lens = with_parameters(stated, rig.lenses[number])
     first = POSE_PARAMETERS * (len(rig.body_rotations) + len(rig.lenses)) + LENS_PARAMETERS * number

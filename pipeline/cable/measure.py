@@ -131,7 +131,7 @@ def measure_ring(
         raise StageError(
             "measure",
             "no station was seen well enough to be measured",
-            "place stations where the cameras passed",
+            "place stations where the cameras passed, and check angle_deg of every block",
         )
     profile_y = np.arange(0.0, travel_m + 1e-9, options.profile_mm / 1000)
     rows = [_profile_row(cutter.cut(y, options.profile_mm), spread, options) for y in profile_y]

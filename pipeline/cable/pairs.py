@@ -10,11 +10,15 @@ from collections import defaultdict
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial import cKDTree
 
-from pipeline.cable.mosaic import PointPairs
+from pipeline.cable.mosaic import MosaicBlock, PointPairs
 from pipeline.core.errors import StageError
 
 COLUMNS = ("block_a", "x_a", "y_a", "z_a", "block_b", "x_b", "y_b", "z_b")
+
+FARTHEST_M = 0.02
+"""A point farther than this from its block's surface is a slip, not a mark at its edge."""
 
 
 def read_pairs(path: Path, blocks: tuple[str, ...]) -> tuple[PointPairs, ...]:
@@ -55,6 +59,32 @@ def read_pairs(path: Path, blocks: tuple[str, ...]) -> tuple[PointPairs, ...]:
         )
         for (first, second), pairs in sorted(found.items())
     )
+
+
+def check_pairs(path: Path, pairs: tuple[PointPairs, ...], blocks: tuple[MosaicBlock, ...]) -> None:
+    """Refuse points that are on no surface: millimetres for metres, or a mark of another block's mesh.
+
+    Args:
+        path: the file, for the message.
+        pairs: as read from it.
+        blocks: in the survey's order.
+
+    Raises:
+        StageError: a point lies farther than 20 mm from its block.
+    """
+    for pair in pairs:
+        for number, points in ((pair.first, pair.points_first), (pair.second, pair.points_second)):
+            surface, name = blocks[number].surface, blocks[number].name
+            some = surface.points(slice(None, None, 8), slice(None, None, 8)).reshape(-1, 3)
+            away_m, _ = cKDTree(some[np.isfinite(some).all(axis=1)]).query(points)
+            if away_m.max() > FARTHEST_M:
+                x, y, z = points[away_m.argmax()]
+                raise StageError(
+                    "mosaic",
+                    f"the point ({x:g}, {y:g}, {z:g}) of {name} in {path} lies {1000 * away_m.max():.0f} mm "
+                    "off its surface",
+                    f"pick it on blocks/{name}/mesh.ply and give it in metres",
+                )
 
 
 def _block(path: Path, line: int, row: dict[str, str], side: str, blocks: tuple[str, ...]) -> int:

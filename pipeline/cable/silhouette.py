@@ -90,7 +90,7 @@ def find_silhouette(
         raise StageError(
             "lens",
             f"{name} shows no cable with both edges from side to side",
-            "take out such frames, or check travel_in_image and the light",
+            "take out such frames, or check travel_in_image, standoff_m, diameter_mm and the light",
         )
     found = [
         _refine(colour, rows, inward, choice, scale) for rows, inward in zip(traces, (1, -1), strict=True)

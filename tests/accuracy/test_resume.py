@@ -60,8 +60,8 @@ def test_only_one_stage_is_made_again(rendered, finished, copied):
     assert done.stdout.startswith("surface is done")
 
 
-def interrupt_at(stage, *words):
-    """Start a run and send Ctrl-C at the first event of a stage: exit code, seconds to stop, last line."""
+def interrupt_at(stage, *words, by=signal.SIGINT):
+    """Start a run and interrupt it at the first event of a stage: exit code, seconds to stop, last line."""
     process = start_pipeline("run", *words, "--events", "json")
     for line in process.stderr:
         if f'"stage": "{stage}"' in line:
@@ -70,7 +70,7 @@ def interrupt_at(stage, *words):
     drain = threading.Thread(target=lambda: rest.extend(process.stderr))
     drain.start()
     began = time.monotonic()
-    process.send_signal(signal.SIGINT)
+    process.send_signal(by)
     code = process.wait(timeout=30)
     took_s = time.monotonic() - began
     drain.join()
@@ -106,6 +106,15 @@ def test_an_interrupted_run_stops_at_once_and_says_that_it_can_go_on(interrupted
     assert code == 130
     assert took_s < 2.0
     assert said == "interrupted; what is finished is kept, start again to go on\n"
+
+
+def test_a_run_that_another_program_ends_stops_the_same_way(rendered, tmp_path):
+    """SIGTERM is what the Blender extension sends."""
+    words = (rendered / "survey.toml", "--out", tmp_path / "run")
+    code, took_s, said = interrupt_at("lens", *words, by=signal.SIGTERM)
+    assert (code, said) == (130, "interrupted; what is finished is kept, start again to go on\n")
+    assert took_s < 2.0
+    assert [path for path in tmp_path.rglob("*") if ".part" in path.name] == []
 
 
 def test_an_interrupted_run_leaves_nothing_half_written(interrupted):

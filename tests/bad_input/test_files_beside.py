@@ -63,6 +63,10 @@ def test_a_pairs_file_that_is_not_there(refused, tmp_path):
 
 TRUTHS = {
     "missing": (None, []),
+    "another cable": (
+        json.dumps({"format": 1, "stations": [{"name": "Z", "position_m": 0.02, "diameter_mm": 90}]}),
+        ["stations A, B"],
+    ),
     "no JSON": ('{"format": 1, "stations"', ["JSON"]),
     "no diameter": (
         '{"format": 1, "stations": [{"name": "A", "position_m": 0.02}]}',

@@ -11,15 +11,19 @@ from scipy.spatial.transform import Rotation
 
 from pipeline.cable.closest_fit import Placement
 from pipeline.cable.crop import Crop
+from pipeline.cable.measure import MeasureOptions, measure_ring
 from pipeline.cable.mosaic import Mosaic, MosaicBlock
+from pipeline.cable.ring import RingOptions, build_ring
 from pipeline.cable.surface import BlockSurface
 from pipeline.cable.texture import UnrolledPicture
+from pipeline.cable.uncertainty import Uncertainty
 from pipeline.core.axis import AxisCurve
 from tests.cable import scene
 
 TRAVEL_M, MARGIN_M, CELL_M, TEXEL_M, LIMB_DEG = 0.12, 0.02, 0.0008, 0.0005, 60.0
 MIDDLE = np.array([0.0, TRAVEL_M / 2, 0.0])
 STRAIGHT = AxisCurve(origin_y_m=0.0, coefficients=np.zeros((2, 2)))
+STATIONS = (("A", 0.02), ("B", 0.06), ("C", 0.10))
 SIGMAS = np.array([0.005, 0.005, 0.005, 0.001, 0.001, 0.001, 0.003])  # what a POS knows of a block
 
 
@@ -139,4 +143,43 @@ def placed(motions=(STILL,) * 4, covariance=None):
         placement=placement(motions),
         covariance=np.zeros((size, size)) if covariance is None else covariance,
         joins=(),
+    )
+
+
+def join(blocks, crops, mosaic=None, emit=scene.silent, **options):
+    """The ring of blocks that stand right, or as the mosaic says."""
+    mosaic = mosaic or placed((STILL,) * len(blocks))
+    return build_ring(blocks, crops, mosaic, TRAVEL_M, RingOptions(**options), emit)
+
+
+def measure(
+    blocks,
+    crops,
+    mosaic=None,
+    stations=STATIONS,
+    noise_mm=0.03,
+    focal_share=0.0,
+    travel_share=0.0,
+    together=None,
+    ring=None,
+    emit=scene.silent,
+    **options,
+):
+    """Measure blocks that stand right, or as the mosaic says."""
+    mosaic = mosaic or placed((STILL,) * len(blocks))
+    return measure_ring(
+        blocks,
+        crops,
+        mosaic,
+        ring or join(blocks, crops, mosaic, cell_mm=4.0, texel_mm=8.0),
+        Uncertainty(
+            noise_mm=(noise_mm,) * len(blocks),
+            focal_shares=(focal_share,) * len(blocks),
+            travel_share=travel_share,
+            together=together,
+        ),
+        stations,
+        TRAVEL_M,
+        MeasureOptions(**{"profile_mm": 40.0, **options}),
+        emit,
     )

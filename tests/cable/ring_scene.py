@@ -41,7 +41,7 @@ def views(sway_deg=0.3, sway_mm=0.7, wander_mm=0.8, seed=2, frames=scene.FRAMES,
 
 
 def blocks(of, noise_px=0.0, seed=6, count=500, lens=None):
-    """What the blocks would be after they were adjusted alone: right up to the POS, with every measurement."""
+    """The blocks as they might come from being adjusted alone: standing by the POS, all measurements kept."""
     rng = np.random.default_rng(seed)
     made = []
     for number, (view, azimuth) in enumerate(zip(of, AZIMUTHS_DEG, strict=True)):

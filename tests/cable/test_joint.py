@@ -1,4 +1,4 @@
-"""The ring adjusted together: it keeps the scale, closes, sees the focal lengths, and knows how sure it is."""
+"""The ring adjusted together keeps the scale, closes, sees the focal lengths, and knows how sure it is."""
 
 from dataclasses import replace
 
@@ -98,7 +98,7 @@ def test_marks_that_neighbours_share_make_the_diameter_surer(views):
 
 
 def test_sigma_predicts_the_scatter_of_repeated_surveys(views):
-    """One tenth of a pixel of noise, the same way: what scatters is what sigma says, within a factor of two."""
+    """The same way again with other noise: what scatters is what sigma says, within a factor of two."""
     options = JointOptions(sigma_px=0.1, shared_sigma_px=0.1)
     runs = [adjust(views, noise_px=0.1, seed=100 + 7 * k, options=options) for k in range(8)]
     scatter = np.sqrt(np.mean((np.array([diameters_mm(r) for r in runs]) - 2000 * scene.RADIUS_M) ** 2))

@@ -41,7 +41,7 @@ def test_the_halves_share_no_point_and_scatter_more_than_the_whole():
 
 def test_empty_cells_stay_empty_and_single_points_score_low():
     lone = scene.RADIUS_M * scene.out_of_cable(np.radians([0.0]))
-    found = grid_points(lone + [0, 0.02, 0], GRID)
+    found = grid_points(lone + np.array([0, 0.02, 0]), GRID)
     assert np.isfinite(found.radius_m).sum() == 1
     assert np.nanmax(found.score) < 0.5
 

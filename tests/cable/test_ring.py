@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from pipeline.cable.ring import Alignment, RingOptions, build_ring
+from pipeline.cable.ring import Alignment
 from tests.cable import pieces, scene
 
 TEXTURE = scene.Texture(seed=3)
@@ -17,15 +17,11 @@ def oval(azimuth, y_m):
     return scene.RADIUS_M + 0.0002 * np.cos(2 * azimuth) + 0.0025 * (y_m - 0.06)
 
 
-def build(blocks, crops, mosaic=None, emit=scene.silent, **options):
-    return build_ring(blocks, crops, mosaic or pieces.placed(), pieces.TRAVEL_M, RingOptions(**options), emit)
-
-
 @pytest.fixture(scope="module")
 def ring():
     """Four blocks that stand astray, joined by the true motions."""
     made = pieces.ring(pieces.ASTRAY, texture=TEXTURE, true_radius=oval)
-    return build(*made, pieces.placed(pieces.ASTRAY))
+    return pieces.join(*made, pieces.placed(pieces.ASTRAY))
 
 
 def inside(ring):
@@ -49,8 +45,8 @@ def test_the_map_goes_once_around_and_reaches_beyond_the_ends(ring):
 
 def test_no_cell_stays_empty_because_the_blocks_cells_are_coarser():
     """Cells of 0.8 mm dropped into cells of 0.5 mm would leave every other one empty."""
-    coarse = build(*pieces.ring(), cell_mm=0.5)
-    fine = build(*pieces.ring(), cell_mm=2.0)
+    coarse = pieces.join(*pieces.ring(), cell_mm=0.5)
+    fine = pieces.join(*pieces.ring(), cell_mm=2.0)
     assert np.isfinite(coarse.radius_m[inside(coarse)]).mean() > 0.999
     assert 0.8 < 1000 * np.diff(coarse.y_m).mean() < 1.2
     assert 1000 * np.diff(fine.y_m).mean() == pytest.approx(2.0)
@@ -61,7 +57,7 @@ def test_a_tilted_shifted_ring_is_laid_onto_the_y_axis():
     askew = pieces.Motion((1.0, 0.0, -0.6), (2.0, 0.0, -3.0))
     blocks, crops = pieces.ring((askew,) * 4)
     still = pieces.placed()  # nobody has told the mosaic
-    found = build(blocks, crops, still)
+    found = pieces.join(blocks, crops, still)
     error_mm = 1000 * (found.radius_m[inside(found)] - scene.RADIUS_M)
     assert np.abs(np.nanmean(error_mm)) < 0.005
     assert np.nanstd(error_mm) < 0.02
@@ -113,7 +109,7 @@ def test_colours_keep_their_order(ring):
 def test_blocks_of_different_brightness_are_brought_together():
     blocks, crops = pieces.ring(texture=TEXTURE)
     dark = replace(blocks[1].picture, colour=(0.7 * blocks[1].picture.colour).astype(np.uint8))
-    mixed = build((blocks[0], replace(blocks[1], picture=dark), *blocks[2:]), crops)
+    mixed = pieces.join((blocks[0], replace(blocks[1], picture=dark), *blocks[2:]), crops)
     rows = (mixed.picture_y_m > 0) & (mixed.picture_y_m < pieces.TRAVEL_M)
     means = []
     for azimuth_deg in (0, 90, 180, -90):
@@ -125,7 +121,7 @@ def test_blocks_of_different_brightness_are_brought_together():
 
 def test_what_no_block_saw_stays_open():
     blocks, crops = pieces.ring(texture=TEXTURE)
-    three = build(blocks[:3], crops[:3], pieces.placed((pieces.STILL,) * 3))
+    three = pieces.join(blocks[:3], crops[:3], pieces.placed((pieces.STILL,) * 3))
     missing = np.abs(np.angle(np.exp(1j * (three.azimuth - np.radians(270))))) < np.radians(28)
     seen = np.abs(np.angle(np.exp(1j * (three.azimuth - np.radians(270))))) > np.radians(32)
     assert np.isnan(three.radius_m[inside(three)][:, missing]).all()
@@ -141,7 +137,7 @@ def test_closed_holes_are_surface_but_not_measured():
     middle = measured.shape[1] // 2
     measured[60:80, middle - 10 : middle + 10] = False
     holed = replace(blocks[0], surface=replace(blocks[0].surface, measured=measured))
-    found = build((holed, *blocks[1:]), crops, cell_mm=2.0)
+    found = pieces.join((holed, *blocks[1:]), crops, cell_mm=2.0)
     y = blocks[0].surface.y_m[70]
     row, column = np.abs(found.y_m - y).argmin(), np.abs(found.azimuth).argmin()
     assert np.isfinite(found.radius_m[row, column])
@@ -154,7 +150,7 @@ def test_in_an_overlap_the_block_that_looks_squarely_has_the_say():
     wide, wide_crop = pieces.block(0.0, true_radius=lambda a, y: scene.RADIUS_M + 0.0001 + 0 * a)
     true, true_crop = pieces.block(90.0)
     blocks, crops = pieces.ring()
-    found = build((wide, true, *blocks[2:]), (wide_crop, true_crop, *crops[2:]), cell_mm=2.0)
+    found = pieces.join((wide, true, *blocks[2:]), (wide_crop, true_crop, *crops[2:]), cell_mm=2.0)
     profile_mm = 1000 * np.nanmean(found.radius_m[inside(found)] - scene.RADIUS_M, axis=0)
     at = lambda deg: profile_mm[np.abs(found.azimuth - np.radians(deg)).argmin()]  # noqa: E731
     offset = at(90)  # the fitted axis has moved a little
@@ -164,7 +160,7 @@ def test_in_an_overlap_the_block_that_looks_squarely_has_the_say():
 
 def test_progress_names_the_blocks():
     events = []
-    build(*pieces.ring(), emit=events.append, cell_mm=2.0)
+    pieces.join(*pieces.ring(), emit=events.append, cell_mm=2.0)
     assert [(e.stage, e.block, e.done, e.total) for e in events] == [
         ("ring", f"Block{90 * k}", k, 4) for k in range(4)
     ]

@@ -1,0 +1,72 @@
+"""Sigma says how far a diameter may be trusted: every part of it by hand, the whole by experiment."""
+
+import numpy as np
+import pytest
+from scipy.linalg import block_diag
+
+from pipeline.cable.uncertainty import RingSigmas
+from tests.cable import pieces
+
+
+def test_more_noise_means_more_sigma_and_ten_times_the_points_less():
+    blocks, crops = pieces.ring()
+    quiet, loud = (pieces.measure(blocks, crops, noise_mm=n).sections[1] for n in (0.03, 0.3))
+    assert loud.sigma_image_mm == pytest.approx(10 * quiet.sigma_image_mm)
+    # 480 bins of which three are alike, each worth 0.03 mm of radius: 2 * 0.03 sqrt(3 / 480), overlaps aside
+    assert quiet.sigma_image_mm == pytest.approx(2 * 0.03 * np.sqrt(3 / 480), rel=0.25)
+
+
+def test_the_scale_of_the_travel_is_the_scale_of_the_diameter():
+    """Design, fact 5: sigma_D / D is at least sigma_L / L."""
+    blocks, crops = pieces.ring()
+    section = pieces.measure(blocks, crops, travel_share=0.001).sections[1]
+    assert section.sigma_scale_mm == pytest.approx(0.110, rel=0.01)
+    joined = pieces.placed(covariance=np.kron(np.ones((4, 4)), np.diag([0.0] * 6 + [0.001**2])))
+    common = pieces.measure(blocks, crops, joined).sections[1]
+    assert common.sigma_scale_mm == pytest.approx(0.110, rel=0.01)
+
+
+def test_a_shift_of_the_ring_as_a_whole_costs_nothing():
+    """All blocks moved alike change no diameter, however little is known of where they are."""
+    together = np.kron(np.ones((4, 4)), np.diag([0.0] * 3 + [0.01**2] * 3 + [0.0]))
+    section = pieces.measure(*pieces.ring(), pieces.placed(covariance=together)).sections[1]
+    assert section.sigma_scale_mm < 1e-3
+
+
+def test_the_lens_is_the_larger_a_part_the_less_is_known_of_it():
+    """Design, fact 1: 1 % of focal length is about 0.6 mm on a circle through one arc of 120 degrees."""
+    blocks, crops = pieces.ring()
+    arc = pieces.measure(blocks[:1], crops[:1], focal_share=0.01).sections[1]
+    assert 0.3 < arc.sigma_lens_mm < 1.2
+    ring = pieces.measure(blocks, crops, focal_share=0.01).sections[1]
+    assert 0.02 < ring.sigma_lens_mm < arc.sigma_lens_mm / 5
+    assert pieces.measure(blocks, crops, focal_share=0.0).sections[1].sigma_lens_mm == 0
+
+
+def test_errors_are_as_large_as_sigma_says():
+    """Blocks that stand off by chance, as their covariance says: the diameters scatter as foretold."""
+    sigmas = np.array([2e-4, 2e-4, 2e-4, 2e-4, 2e-4, 2e-4, 4e-4])
+    mosaic = pieces.placed(covariance=block_diag(*[np.diag(sigmas**2)] * 4))
+    rng = np.random.default_rng(12)
+    errors = []
+    for _ in range(10):
+        drawn = rng.normal(0, sigmas, (4, 7))
+        motions = [pieces.Motion(tuple(np.degrees(d[:3])), tuple(1000 * d[3:6]), np.exp(d[6])) for d in drawn]
+        # cut in chance places, and believed to stand right
+        found = pieces.measure(*pieces.ring(tuple(motions)), mosaic).sections
+        errors += [(s.diameter_mm - 110) / s.sigma_mm for s in found]
+        assert 0.1 < found[1].sigma_mm < 0.3
+    assert 0.6 < np.sqrt(np.mean(np.square(errors))) < 1.5
+    assert np.mean(np.abs(errors) < 2) > 0.85
+
+
+def test_a_ring_that_was_adjusted_together_brings_its_own_sigmas():
+    """Between the places where the adjustment told them, they are interpolated; the travel comes on top."""
+    blocks, crops = pieces.ring()
+    together = RingSigmas(
+        y_m=np.array([0.0, 0.12]), diameter_mm=np.array([0.05, 0.05]), lens_mm=np.array([0.01, 0.04])
+    )
+    wide = pieces.placed(covariance=np.eye(28))  # not asked any more
+    section = pieces.measure(blocks, crops, wide, together=together, travel_share=0.001).sections[1]
+    assert section.sigma_lens_mm == pytest.approx(0.025, abs=1e-4)
+    assert section.sigma_scale_mm == pytest.approx(np.sqrt(0.05**2 - 0.025**2 + 0.110**2), rel=0.001)

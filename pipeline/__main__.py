@@ -106,6 +106,8 @@ def _run(chosen: argparse.Namespace) -> int:
     from pipeline.console import emitter
     from pipeline.product import make_product
 
+    # importing pycolmap has put glog's own handler there, which aborts with a stack trace
+    signal.signal(signal.SIGTERM, _interrupt)
     assignments = (
         *chosen.set,
         *(("lens.correct=false",) if chosen.no_lens_correction else ()),

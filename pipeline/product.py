@@ -15,8 +15,9 @@ from pipeline.cable.pairs import read_pairs
 from pipeline.cable.records import CableRun
 from pipeline.cable.run import STAGES, bind_options, run_cable
 from pipeline.cable.survey import Survey
+from pipeline.core.errors import StageError
 from pipeline.core.events import Emit, Event
-from pipeline.core.files import replacing, write_json
+from pipeline.core.files import replacing, unwritable, write_json
 from pipeline.core.runfolder import RunFolder
 from pipeline.evaluate.documents import read_document
 from pipeline.report.block_files import write_block_files
@@ -67,7 +68,7 @@ def make_product(
         StageError: bad input.
     """
     options = bind_options(survey, assignments)
-    true = _truth_stations(truth)
+    true = _truth_stations(truth, survey)
     if pairs:
         read_pairs(pairs, tuple(b.name for b in survey.blocks))  # tells now, and not minutes later
     stages = (*STAGES, "report")
@@ -90,7 +91,10 @@ def _write(
     from pipeline.report.page import PageOptions, write_report_html
 
     began, out = time.monotonic(), folder.path
-    (out / "report.json").unlink(missing_ok=True)
+    try:
+        (out / "report.json").unlink(missing_ok=True)
+    except OSError as error:
+        raise unwritable(out / "report.json", error, "report") from error
     steps = 5
     emit(Event(stage="report", done=0, total=steps))
     write_block_files(found, out / "blocks")
@@ -127,15 +131,23 @@ def _peak_memory_mb() -> float:
     return peak / (2**20 if sys.platform == "darwin" else 2**10)
 
 
-def _truth_stations(path: Path | None) -> tuple[TruthStation, ...]:
+def _truth_stations(path: Path | None, survey: Survey) -> tuple[TruthStation, ...]:
     if path is None:
         return ()
-    return tuple(
+    known = tuple(
         TruthStation(
             name=s.text("name"), position_m=s.number("position_m"), diameter_mm=s.number("diameter_mm")
         )
         for s in read_document(path).items("stations")
     )
+    names = [s.name for s in survey.cable.stations]
+    if not any(s.name in names for s in known):
+        raise StageError(
+            "run",
+            f"{path} knows none of the survey's stations {', '.join(names[:5])}",
+            "give the truth of this survey",
+        )
+    return known
 
 
 def _summary(data: ReportData, out: Path) -> str:

@@ -19,7 +19,7 @@ from tests.command import ENVIRONMENT, ROOT, line_of, pipeline, synth
         (["--help"], ["run", "evaluate", "lens"]),
         (
             ["run", "--help"],
-            ["--out", "--truth", "--only", "--from", "--pairs", "--set", "--no-lens-correction", "--events"],
+            ["--out", "--truth", "--only", "--from", "--pairs", "--set", "--adjust", "--no-lens-correction"],
         ),
         (["evaluate", "--help"], ["--truth", "--json"]),
         (["lens", "--help"], ["--chessboard", "9x6", "--square-mm"]),

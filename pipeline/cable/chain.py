@@ -92,7 +92,7 @@ class Chain:
     def _frames(self) -> list[Product[Any]]:
         survey = self._survey
         sources = [[stamp_file(f) for f in _source_files(b)] for b in survey.blocks]
-        places = [(b.name, b.source, b.travel_in_image, b.lens_spec) for b in survey.blocks]
+        places = [(b.name, b.travel_in_image, b.lens_spec) for b in survey.blocks]
         product = self._folder.product(
             "frames",
             SurveyFrames,

@@ -9,7 +9,7 @@ principal point.
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import hypot
+from math import hypot, inf
 from pathlib import Path
 
 import cv2
@@ -72,6 +72,8 @@ def calibrate_chessboard(
             not determine the lens.
     """
     columns, rows = _board_size(board)
+    if not 0 < square_mm < inf:
+        raise StageError("lens", f"a square of {square_mm:g} mm is none", "give --square-mm above zero")
     files = sorted((f for f in _listed(folder) if f.suffix.lower() in ENDINGS), key=natural_key)
     if not files:
         raise StageError("lens", f"{folder} has no pictures", f"put pictures there ({', '.join(ENDINGS)})")

@@ -76,7 +76,7 @@ def check_pairs(path: Path, pairs: tuple[PointPairs, ...], blocks: tuple[MosaicB
         for number, points in ((pair.first, pair.points_first), (pair.second, pair.points_second)):
             surface, name = blocks[number].surface, blocks[number].name
             some = surface.points(slice(None, None, 8), slice(None, None, 8)).reshape(-1, 3)
-            away_m, _ = cKDTree(some[np.isfinite(some).all(axis=1)]).query(points)
+            away_m = np.asarray(cKDTree(some[np.isfinite(some).all(axis=1)]).query(points)[0])
             if away_m.max() > FARTHEST_M:
                 x, y, z = points[away_m.argmax()]
                 raise StageError(

@@ -113,7 +113,7 @@ def build_ring(
         y_m=y_m,
         radius_m=np.where(known, total / np.where(known, weight, 1), np.nan).astype(np.float32),
         measured=measured > 0,
-        picture=np.clip(colour / np.maximum(share, 1e-6)[..., None], 0, 255).astype(np.uint8),
+        picture=np.rint(np.clip(colour / np.maximum(share, 1e-6)[..., None], 0, 255)).astype(np.uint8),
         picture_known=share > 1e-3,
         picture_y_m=picture_y,
         picture_azimuth=picture_azimuth,

@@ -161,10 +161,10 @@ class SurfaceView:
         cx, cy = self._lens.principal_point_px
         return (u * grow + np.float32(cx - 0.5), v * grow + np.float32(cy - 0.5))
 
-    def sample(self, image: Image, radius_m: Image) -> Image:
-        """The frame's values at the cells, (n, m) or (n, m, 3)."""
+    def sample(self, image: Image, radius_m: Image, interpolation: int = cv2.INTER_CUBIC) -> Image:
+        """The frame's values at the cells, (n, m) or (n, m, 3); ``interpolation`` is one of OpenCV's."""
         column, row = self.pixels(radius_m)
-        return np.asarray(cv2.remap(image, column, row, cv2.INTER_CUBIC), dtype=np.float32)
+        return np.asarray(cv2.remap(image, column, row, interpolation), dtype=np.float32)
 
     def visible(self, radius_m: Image, window: int) -> Image:
         """1 where the whole comparison window lies in the frame, else 0."""

@@ -88,7 +88,7 @@ def texture_block(
     return UnrolledPicture(
         azimuth=grid.azimuth,
         y_m=grid.y_m,
-        colour=np.where(known[..., None], np.clip(colour, 0, 255), 0).astype(np.uint8),
+        colour=np.rint(np.where(known[..., None], np.clip(colour, 0, 255), 0)).astype(np.uint8),
         known=known,
         texel_mm=texel_mm,
     )

@@ -74,7 +74,7 @@ def normalise(image: NDArray[np.uint8] | NDArray[np.float32], radius_px: float) 
     mean = cv2.GaussianBlur(values, (0, 0), radius_px)
     spread = cv2.GaussianBlur((values - mean) ** 2, (0, 0), radius_px)
     scaled = 128 + 40 * (values - mean) / np.sqrt(spread + 4.0)
-    return np.clip(scaled, 0, 255).astype(np.uint8)
+    return np.rint(np.clip(scaled, 0, 255)).astype(np.uint8)
 
 
 @dataclass(frozen=True)
@@ -168,7 +168,8 @@ class Tracker:
             grid = SweepGrid(axis=self._axis, azimuth=self._azimuth, y_m=y_m)
             view = SurfaceView(self._lens, self._poses, frame, grid)
             radius = np.full((len(y_m), len(self._azimuth)), self._radius_m, dtype=np.float32)
-            picture = view.sample(self._read(frame).astype(np.float32), radius)
+            # OpenCV's cubic moves edges by up to 0.05 px, depending on where between the pixels they lie
+            picture = view.sample(self._read(frame).astype(np.float32), radius, cv2.INTER_LANCZOS4)
             seen = view.visible(radius, 1) > 0
             filled = np.where(seen, picture, picture[seen].mean() if seen.any() else 0)
             normal = normalise(filled.astype(np.float32), self._options.normalise_px)

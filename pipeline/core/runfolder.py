@@ -8,6 +8,7 @@ name and renamed.  So an interrupted run resumes, and a changed option invalidat
 import contextlib
 import json
 import time
+import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +16,9 @@ from pathlib import Path
 from pipeline.core import store
 from pipeline.core.errors import StageError
 from pipeline.core.files import unwritable, write_json, write_text
+
+_UNREADABLE = (FileNotFoundError, zipfile.BadZipFile, EOFError, ValueError, KeyError)
+"""What loading a product raises where someone has tidied up or a power cut has left half of it."""
 
 VERSION = "1"  # raise it when a stage's algorithm changes, so that old products are not taken for new ones
 
@@ -97,7 +101,7 @@ class RunFolder:
         file = self.path / "products" / f"{block or 'all'}-{stage}.npz"
         mark = file.with_suffix(".stamp")
         if stage not in self._fresh and mark.exists() and mark.read_text() == wanted:
-            with contextlib.suppress(FileNotFoundError):  # someone tidied up: make it again
+            with contextlib.suppress(*_UNREADABLE):
                 return Product(store.load(kind, file, self.path), wanted)
         if self._only is not None and stage not in self._only:
             raise StageError(
@@ -129,4 +133,7 @@ class RunFolder:
     def _load_timing(self) -> None:
         file = self.path / "products" / "timing.json"
         if file.exists():
-            self.timing_s = json.loads(file.read_text())
+            with contextlib.suppress(
+                ValueError
+            ):  # cut off: only the times of the stages not made again are lost
+                self.timing_s = json.loads(file.read_text())

@@ -1,7 +1,9 @@
 """Words of the command line that do not fit, and places that cannot be written."""
 
+import cv2
 import pytest
 
+from tests.bad_input import cylinder
 from tests.bad_input.conftest import assert_nothing_half_done, assert_refused
 from tests.command import pipeline
 
@@ -67,3 +69,27 @@ class TestPlacesThatCannotBeWritten:
         assert f"cannot write {tmp_path / 'run'}" in done.stderr
         assert "make room" in done.stderr
         assert_nothing_half_done(tmp_path / "run")
+
+
+BOARD = {
+    "9by6": ['"9by6"', "9x6"],
+    "9x6": ["holds-no-board", "9x6 inner corners"],
+}
+
+
+class TestCalibration:
+    """``lens --chessboard``."""
+
+    @pytest.mark.parametrize(("board", "named"), BOARD.items(), ids=BOARD)
+    def test_pictures_or_a_board_that_cannot_be(self, tmp_path, board, named):
+        folder = tmp_path / "holds-no-board"
+        folder.mkdir()
+        cv2.imwrite(str(folder / "1.png"), cylinder.sky())
+        done = pipeline("lens", folder, "--chessboard", board)
+        assert_refused(done)
+        assert [word for word in named if word not in done.stderr] == []
+
+    def test_a_folder_that_is_not_there(self, tmp_path):
+        done = pipeline("lens", tmp_path / "none", "--chessboard", "9x6")
+        assert_refused(done)
+        assert str(tmp_path / "none") in done.stderr

@@ -9,27 +9,28 @@ from pipeline.cable.ring import Alignment
 from tests.cable import pieces
 
 
-def test_closed_holes_are_not_measured():
-    """A hole was closed 3 mm too high: that is nobody's measurement."""
-    blocks, crops = pieces.ring()
-    surface = blocks[0].surface
-    hole = np.zeros_like(surface.measured)
-    hole[85:115, 40:100] = True
-    radius = np.where(hole, surface.radius_m + 0.003, surface.radius_m).astype(np.float32)
-    spoiled = replace(blocks[0], surface=replace(surface, radius_m=radius, measured=~hole))
-    section = pieces.measure((spoiled, *blocks[1:]), crops).sections[1]
-    assert section.diameter_mm == pytest.approx(110.0, abs=0.01)
+def striped(**changes):
+    """One block with a stripe of 24 degrees, in the middle of its 120, that reads 3 mm too much."""
+    (block, *_), (crop, *_) = pieces.ring()
+    middle = block.surface.radius_m.shape[1] // 2
+    stripe = np.zeros_like(block.keep)
+    stripe[:, middle - 14 : middle + 15] = True
+    radius = np.where(stripe, block.surface.radius_m + 0.003, block.surface.radius_m).astype(np.float32)
+    measured, keep = (np.where(stripe, not changes.get(n, False), True) for n in ("closed", "cropped"))
+    surface = replace(block.surface, radius_m=radius, measured=measured)
+    return (replace(block, surface=surface, keep=keep),), (replace(crop, keep=keep),)
 
 
-def test_cropped_cells_are_not_measured():
-    blocks, crops = pieces.ring()
-    radius = blocks[0].surface.radius_m.copy()
-    keep = crops[0].keep.copy()
-    radius[:, :30] += 0.003
-    keep[:, :30] = False
-    blocks = (replace(blocks[0], surface=replace(blocks[0].surface, radius_m=radius), keep=keep), *blocks[1:])
-    crops = (replace(crops[0], keep=keep), *crops[1:])
-    assert pieces.measure(blocks, crops).sections[1].diameter_mm == pytest.approx(110.0, abs=0.01)
+@pytest.mark.parametrize("why", ["closed", "cropped"])
+def test_closed_holes_and_cropped_cells_are_not_measured(why):
+    ring = pieces.join(*pieces.ring(), cell_mm=4.0, texel_mm=8.0)
+    section = pieces.measure(*striped(**{why: True}), ring=ring).sections[1]
+    assert section.coverage_deg == pytest.approx(120 - 24, abs=3)
+    assert np.hypot(*section.points_mm.T).max() < 55.1
+    assert section.diameter_mm == pytest.approx(110.0, abs=0.02)
+    spoiled = pieces.measure(*striped(), ring=ring).sections[1]
+    assert spoiled.coverage_deg == pytest.approx(120, abs=2)
+    assert np.hypot(*spoiled.points_mm.T).max() > 57.9
 
 
 @pytest.mark.parametrize(("count", "coverage_deg"), [(4, 360), (3, 300), (2, 210), (1, 120)])

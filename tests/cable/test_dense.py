@@ -74,6 +74,18 @@ def test_a_bare_patch_is_masked_and_its_surroundings_are_not(barrel_view, barrel
     assert stands[outside].mean() > 0.97
 
 
+def test_cells_whose_two_halves_disagree_are_masked(barrel_frames, barrel_orientation, tmp_path):
+    """One frame believed 0.15 mm from its place tells two radii, from before and from behind."""
+    poses = barrel_orientation.poses
+    translations = poses.translations.copy()
+    translations[5] -= poses.rotations[5] @ [0, 0.00015, 0]
+    wrong = replace(barrel_orientation, poses=replace(poses, translations=translations))
+    found = sweep(barrel_frames, wrong, tmp_path)
+    own_strip = np.abs(found.y_m - 5 * scene.STEP_M) < 0.007
+    assert np.isfinite(found.radius_m[own_strip]).mean() < 0.15
+    assert np.nanmedian(found.score[own_strip]) > 0.9  # agreement alone would not tell
+
+
 def test_a_bump_stands_out_of_the_map(barrel_view, tmp_path):
     def bump(azimuth, y_m):
         around = scene.RADIUS_M * np.angle(np.exp(1j * azimuth))

@@ -89,6 +89,12 @@ def test_the_end_of_the_search_range_is_no_answer(barrel_view):
     np.testing.assert_array_equal(np.isnan(beside.score), np.isnan(beside.radius_m))
 
 
+def test_a_surface_just_outside_the_search_range_is_not_guessed_at(barrel_view):
+    """Half a step beyond the last candidate a parabola would still point there: by chance or not."""
+    below = sweep(barrel_view, start_mm=56.35, reach_mm=1.2)
+    assert np.isnan(inner(below.radius_m)).mean() > 0.9
+
+
 def test_what_has_no_texture_agrees_with_nothing(barrel_view):
     even = [np.full((scene.HEIGHT_PX, scene.WIDTH_PX), 120, dtype=np.uint8)] * scene.FRAMES
     nothing = sweep(barrel_view, pictures=even)

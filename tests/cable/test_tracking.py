@@ -6,6 +6,7 @@ import pytest
 
 from pipeline.cable.tracking import Tracker, TrackOptions, normalise
 from pipeline.core.axis import AxisCurve
+from pipeline.core.vocabulary import Poses
 from tests.cable import scene
 
 HOME = 4
@@ -75,6 +76,21 @@ def test_no_error_adds_up_along_a_track(track, barrel_view):
     """Every frame is compared with the home frame itself: four frames on it is as good as one."""
     near, far = (np.median(np.linalg.norm(errors(track, barrel_view, HOME + n), axis=1)) for n in (1, 4))
     assert far < 3 * near
+
+
+def test_a_robot_that_was_faster_than_believed_does_not_lose_its_points(pictures, barrel_view):
+    """Steps believed to be 12 mm instead of 20: what was learnt in one frame helps to find the next."""
+    believed = scene.poses()
+    centres = believed.centres * [1, 0.6, 1]
+    centres[:, 1] += HOME * scene.STEP_M * 0.4
+    slow = Poses(
+        rotations=believed.rotations,
+        translations=-np.einsum("nij,nj->ni", believed.rotations, centres),
+    )
+    found = tracker(lambda k: pictures[k], poses=slow).track(HOME)
+    for frame, most in ((HOME - 3, 40), (HOME + 3, 40)):
+        assert len(errors(found, barrel_view, frame)) > most
+        assert np.median(np.linalg.norm(errors(found, barrel_view, frame), axis=1)) < 0.1
 
 
 def test_points_lie_on_the_home_frame_s_own_stretch_of_the_cable_inside_the_limb(track):

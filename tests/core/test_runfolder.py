@@ -106,6 +106,22 @@ def test_an_interruption_never_leaves_an_old_product_under_a_new_stamp(tmp_path)
     assert Work(tmp_path).stage("match", 2.0, "new option").value.value == 2.0
 
 
+def test_an_interruption_never_leaves_a_new_product_under_an_old_stamp(tmp_path, monkeypatch):
+    """The power goes between the product and its stamp: nobody may take the new one for the old."""
+
+    def no_power(path, text, stage):
+        raise KeyboardInterrupt
+
+    Work(tmp_path).stage("match", 1.0, "old option")
+    with monkeypatch.context() as dark:
+        dark.setattr(runfolder, "write_text", no_power)
+        with pytest.raises(KeyboardInterrupt):
+            Work(tmp_path).stage("match", 2.0, "new option")
+    again = Work(tmp_path)
+    assert again.stage("match", 1.0, "old option").value.value == 1.0
+    assert again.made == ["match"]
+
+
 @pytest.mark.parametrize("gone", ["products/all-write.npz", "products/all-write.stamp", "picture.png"])
 def test_what_someone_tidied_away_is_made_again(tmp_path, gone):
     def write(folder):
@@ -217,3 +233,14 @@ def test_the_time_of_a_stage_is_the_sum_of_its_blocks_and_is_remembered(tmp_path
     seconds = RunFolder(tmp_path).stage_seconds()
     assert seconds == {"match": 3.0, "mosaic": 0.25}
     assert list(seconds) == ["match", "mosaic"]
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 0.9])
+@pytest.mark.parametrize("name", ["all-left.npz", "timing.json"])
+def test_what_a_power_cut_left_half_written_is_made_again(tmp_path, name, share):
+    Work(tmp_path).run()
+    file = tmp_path / "products" / name
+    file.write_bytes(file.read_bytes()[: int(share * file.stat().st_size)])
+    again = Work(tmp_path)
+    assert again.run() == 30.0
+    assert again.made == (["left"] if name == "all-left.npz" else [])

@@ -1,7 +1,7 @@
 """The order of the cable pipeline, and no algorithm.
 
 survey -> frames -> for each block (lens, pos, match, adjust, dense, surface, texture, crop) -> mosaic -> ring
--> measure.  Every arrow is a product in the run folder, wired in :mod:`pipeline.cable.chain`; see
+-> measure.  Every arrow is a product in the run folder, wired in ``block_stages.py`` and ``ring_stages.py``; see
 :mod:`pipeline.core.runfolder` for what is kept and what is made again.
 """
 

@@ -1,0 +1,157 @@
+"""How the stages that join the blocks hang together: what each is made from, so when it is made again.
+
+Builds on the block by block stages; holds no algorithm and no order.
+"""
+
+from pathlib import Path
+
+from pipeline.cable.block_stages import BlockStages
+from pipeline.cable.closing import ClosingBlock, SharedMarks, find_shared_marks
+from pipeline.cable.joint import JointBlock, RingOrientation, adjust_ring
+from pipeline.cable.measure import Measurement, measure_ring
+from pipeline.cable.mosaic import Mosaic, MosaicBlock, PointPairs, mosaic_blocks
+from pipeline.cable.pairs import check_pairs, read_pairs
+from pipeline.cable.pos import robot_priors, travel_share_sigma
+from pipeline.cable.ring import Ring, build_ring
+from pipeline.cable.uncertainty import RingSigmas, Uncertainty
+from pipeline.core.runfolder import Product
+from pipeline.core.store import stamp_file
+from pipeline.core.vocabulary import FrameSequence, Lens
+
+
+class RingStages(BlockStages):
+    """The products of all blocks together: ``made["mosaic"][0]`` is the only one."""
+
+    def _together(self) -> bool:
+        """Whether the cameras are adjusted as one rig: one clock, and no POS that says otherwise."""
+        survey = self._survey
+        return (
+            self._options.joint.together
+            and survey.robot.synchronised
+            and len(survey.blocks) > 1
+            and all(b.pos is None for b in survey.blocks)
+        )
+
+    def _closing(self) -> Product[SharedMarks]:
+        def make() -> SharedMarks:
+            blocks = tuple(
+                ClosingBlock(
+                    frames=self._value("frames", n),
+                    orientation=self._value("adjust", n),
+                    azimuth_deg=block.angle_deg,
+                )
+                for n, block in enumerate(self._survey.blocks)
+            )
+            return find_shared_marks(blocks, self._options.closing, self._emit)
+
+        angles = [b.angle_deg for b in self._survey.blocks]
+        needs = [*self._all("frames", "adjust"), angles, self._options.closing]
+        return self._folder.product("closing", SharedMarks, make, *needs)
+
+    def _joint(self) -> Product[RingOrientation]:
+        survey = self._survey
+        frames: FrameSequence = self._value("frames", 0)
+        robot = robot_priors(survey.robot, survey.cable, frames, self._options.pos)
+
+        def make() -> RingOrientation:
+            blocks = tuple(
+                JointBlock(
+                    name=block.name,
+                    azimuth_deg=block.angle_deg,
+                    travel_in_image=block.travel_in_image,
+                    orientation=self._value("adjust", n),
+                )
+                for n, block in enumerate(survey.blocks)
+            )
+            return adjust_ring(blocks, self._value("closing"), robot, self._options.joint, self._emit)
+
+        places = [(b.angle_deg, b.travel_in_image) for b in survey.blocks]
+        needs = [*self._all("adjust", "closing"), robot, places, self._options.joint]
+        return self._folder.product("joint", RingOrientation, make, *needs)
+
+    def _joined(self) -> tuple[MosaicBlock, ...]:
+        return tuple(
+            MosaicBlock(
+                name=block.name,
+                surface=self._value("surface", n),
+                keep=self._value("crop", n).keep,
+                picture=self._value("texture", n),
+                datum_origin=self._oriented(n).value.datum_origin,
+                datum_information=self._oriented(n).value.datum_information,
+            )
+            for n, block in enumerate(self._survey.blocks)
+        )
+
+    def _mosaic(self, pairs: Path | None) -> Product[Mosaic]:
+        names = tuple(b.name for b in self._survey.blocks)
+
+        def make() -> Mosaic:
+            given: tuple[PointPairs, ...] | None = None
+            if pairs:
+                given = read_pairs(pairs, names)
+                check_pairs(pairs, given, self._joined())
+            settled = self._value("joint").covariance if self.made["joint"] else None
+            return mosaic_blocks(self._joined(), given, settled, self._options.mosaic, self._emit)
+
+        needs = [
+            *self._all("surface", "crop", "texture", "adjust", "joint"),
+            stamp_file(pairs) if pairs else None,
+            self._options.mosaic,
+        ]
+        return self._folder.product("mosaic", Mosaic, make, *needs)
+
+    def _ring(self) -> Product[Ring]:
+        return self._folder.product(
+            "ring",
+            Ring,
+            lambda: build_ring(
+                self._joined(),
+                tuple(p.value for p in self.made["crop"]),
+                self._value("mosaic"),
+                self._survey.cable.travel_m,
+                self._options.ring,
+                self._emit,
+            ),
+            *self._all("surface", "crop", "texture", "mosaic"),
+            self._survey.cable.travel_m,
+            self._options.ring,
+        )
+
+    def _measure(self) -> Product[Measurement]:
+        survey = self._survey
+        stations = tuple((s.name, s.position_m) for s in survey.cable.stations)
+        uncertainty = self._uncertainty()
+        return self._folder.product(
+            "measure",
+            Measurement,
+            lambda: measure_ring(
+                self._joined(),
+                tuple(p.value for p in self.made["crop"]),
+                self._value("mosaic"),
+                self._value("ring"),
+                uncertainty,
+                stations,
+                survey.cable.travel_m,
+                self._options.measure,
+                self._emit,
+            ),
+            *self._all("surface", "crop", "mosaic", "ring"),
+            uncertainty,
+            stations,
+            survey.cable.travel_m,
+            self._options.measure,
+        )
+
+    def _uncertainty(self) -> Uncertainty:
+        lenses: list[Lens] = [self._oriented(n).value.lens for n in range(len(self._survey.blocks))]
+        ring: RingOrientation | None = self._value("joint") if self.made["joint"] else None
+        return Uncertainty(
+            noise_mm=tuple(p.value.noise_mm for p in self.made["dense"]),
+            focal_shares=tuple(lens.focal_sigma_px / lens.focal_px for lens in lenses),
+            travel_share=travel_share_sigma(self._survey.cable, self._options.pos),
+            together=None
+            if ring is None
+            else RingSigmas(
+                y_m=ring.section_y_m, diameter_mm=ring.diameter_sigma_mm, lens_mm=ring.lens_sigma_mm
+            ),
+        )

@@ -31,8 +31,8 @@ lint: .venv/.ready ## check style and types
 	@$(PY) -m ruff format --check .
 	@$(PY) -m mypy
 
-bench: .venv/.ready ## the small survey with several seeds (SEEDS="1 2 3")
-	@sh tools/bench.sh specs/small.toml out/bench $(SEEDS)
+bench: .venv/.ready ## every scenario of specs/bench with several seeds (SEEDS="1 2 3"): hours
+	@$(PY) -m synth suite --seeds $(SEEDS) --out out/bench
 
 clean: ## remove what demo, bench and the checks made; .venv stays
 	rm -rf out build .pytest_cache .mypy_cache .ruff_cache

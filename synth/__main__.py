@@ -1,14 +1,14 @@
-"""The command line of synth: ``python -m synth render SPEC.toml OUT/``.
+"""The command line of synth: ``python -m synth render | suite``; see ``--help``.
 
-Progress goes to stderr, the product's name to stdout.  Exit code 0 only when the product is there, 2 for bad
-input with one sentence, 130 when interrupted.
+Progress goes to stderr, the product's name to stdout.  Exit code 0 only when the product is there, 1 for a
+suite with failed cases, 2 for bad input with one sentence, 130 when interrupted.
 """
 
 import argparse
 import json
 import sys
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 from pipeline.core.errors import Cancelled, StageError
@@ -18,21 +18,15 @@ from pipeline.core.events import Event, silent
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     options = _parser().parse_args(arguments)
-    from synth.spec_reader import read_spec
-
     try:
-        spec = read_spec(options.spec)
-        from synth.render import render_survey  # bpy takes seconds to load: only for a good specification
-
-        survey = render_survey(spec, options.out, _emitter(options))
+        status: int = options.act(options)
     except StageError as error:
         print(error, file=sys.stderr)
         return 2
     except (KeyboardInterrupt, Cancelled):
         print("\ninterrupted; the same command goes on from here", file=sys.stderr)
         return 130
-    print(survey)
-    return 0
+    return status
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -45,9 +39,53 @@ def _parser() -> argparse.ArgumentParser:
     )
     render.add_argument("spec", type=Path, metavar="SPEC.toml")
     render.add_argument("out", type=Path, metavar="OUT")
-    render.add_argument("--events", choices=["json"], help="progress as one JSON event a line on stderr")
-    render.add_argument("--quiet", action="store_true", help="no progress")
+    render.add_argument("--seed", type=int, help="instead of the specification's")
+    render.set_defaults(act=_render)
+    suite = commands.add_parser("suite", help="render, reconstruct and evaluate scenarios with several seeds")
+    suite.add_argument("spec", type=Path, nargs="*", metavar="SPEC.toml", help="default: all of specs/bench")
+    suite.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3], metavar="SEED")
+    suite.add_argument("--out", type=Path, default=Path("out/bench"))
+    suite.add_argument("--only-render", action="store_true", help="stop when the videos are there")
+    suite.add_argument("--stock", action="store_true", help="compare with stock COLMAP too")
+    suite.set_defaults(act=_suite)
+    for command in (render, suite):
+        command.add_argument("--events", choices=["json"], help="progress as one JSON event a line on stderr")
+        command.add_argument("--quiet", action="store_true", help="no progress")
     return parser
+
+
+def _render(options: argparse.Namespace) -> int:
+    from synth.spec_reader import read_spec
+
+    spec = read_spec(options.spec)
+    if options.seed is not None:
+        _refuse_negative([options.seed])
+        spec = replace(spec, seed=options.seed)
+    from synth.render import render_survey  # bpy takes seconds to load: only for a good specification
+
+    print(render_survey(spec, options.out, _emitter(options)))
+    return 0
+
+
+def _suite(options: argparse.Namespace) -> int:
+    from synth.suite import SuiteOptions, run_suite
+
+    _refuse_negative(options.seeds)
+    choice = SuiteOptions(
+        seeds=tuple(dict.fromkeys(options.seeds)), only_render=options.only_render, stock=options.stock
+    )
+    results = run_suite(options.spec, options.out, choice, _emitter(options))
+    if not options.only_render:
+        print((options.out / "results.md").read_text(encoding="utf-8"), end="")
+    failed = [case for case in results.cases if case.failure is not None]
+    for case in failed:
+        print(f"{case.scenario}, seed {case.seed}: {case.failure}", file=sys.stderr)
+    return 1 if failed else 0
+
+
+def _refuse_negative(seeds: list[int]) -> None:
+    if min(seeds) < 0:
+        raise StageError("synth", f"the seed {min(seeds)} is negative", "give 0 or more")
 
 
 def _emitter(options: argparse.Namespace) -> Callable[[Event], None]:
@@ -55,20 +93,25 @@ def _emitter(options: argparse.Namespace) -> Callable[[Event], None]:
         return silent
     if options.events == "json":
         return lambda event: print(json.dumps(asdict(event)), file=sys.stderr, flush=True)
-    return _bar
+    return _Bar()
 
 
-def _bar(event: Event) -> None:
-    filled = 30 * event.done // event.total
-    end = "\n" if event.done == event.total or not sys.stderr.isatty() else ""
-    start = "\r" if sys.stderr.isatty() else ""
-    bar = f"[{'#' * filled}{'.' * (30 - filled)}]"
-    print(
-        f"{start}{event.stage} {bar} {event.done}/{event.total} {event.block}",
-        end=end,
-        file=sys.stderr,
-        flush=True,
-    )
+class _Bar:
+    """A bar on a terminal, else a line for every new event."""
+
+    def __init__(self) -> None:
+        self._last: Event | None = None
+
+    def __call__(self, event: Event) -> None:
+        if event == self._last:
+            return
+        self._last = event
+        filled = 30 * event.done // event.total
+        end = "\n" if event.done == event.total or not sys.stderr.isatty() else ""
+        start = "\r\x1b[K" if sys.stderr.isatty() else ""
+        bar = f"[{'#' * filled}{'.' * (30 - filled)}]"
+        line = f"{start}{event.stage} {bar} {event.done}/{event.total} {event.block}"
+        print(line, end=end, file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ RIB_CHORD_ERROR_M = 0.6e-6
 DEFECT_CHORD_ERROR_M = 0.3e-6
 PROFILE_CHORD_ERROR_M = 0.2e-6
 LONGEST_ROW_STEP_M = 0.002
+LEAST_STEP_M = 1.0e-5
 SMOOTHSTEP_CURVATURE = 5.774  # largest second derivative of the fifth-degree smoothstep, 10 / sqrt(3)
 
 
@@ -82,7 +83,12 @@ def _rows_along(cable: Cable, start: float, end: float) -> Array:
         count = _steps_across(defect, 2.0 * half_m)
         rows.append(defect.position_m + np.linspace(-half_m, half_m, count + 1))
     y = np.unique(np.clip(np.concatenate(rows), start, end))
-    return y[np.append(True, np.diff(y) > 1e-9)]
+    return _apart(y, LEAST_STEP_M)
+
+
+def _apart(places: Array, least: float) -> Array:
+    """Sorted places without those that follow the one before too closely: no slivers."""
+    return places[np.append(True, np.diff(places) > least)]
 
 
 def _steps_across(defect: Defect, length_m: float) -> int:
@@ -115,7 +121,8 @@ def _angles_around(cable: Cable) -> Array:
     step = _girth_step_rad(cable) * (1.0 if fillet is None else 0.5)  # the twist takes the other half
     even = np.linspace(0.0, 2.0 * math.pi, math.ceil(2.0 * math.pi / step), endpoint=False)
     if fillet is None:
-        return np.sort(np.concatenate([even, *_across_defects(cable)]) % (2.0 * math.pi))
+        around = np.sort(np.concatenate([even, *_across_defects(cable)]) % (2.0 * math.pi))
+        return _apart(around, LEAST_STEP_M / base_radius_m(cable))
     width_m, height_m = fillet.width_mm / 1000.0, fillet.height_mm / 1000.0
     curvature = 2.0 * height_m * (math.pi / width_m) ** 2  # of h cos^2(pi s / w) at its crest
     count = math.ceil(width_m / math.sqrt(8.0 * RIB_CHORD_ERROR_M / curvature))

@@ -15,12 +15,13 @@ import numpy as np
 
 from pipeline.core.errors import StageError
 from pipeline.core.events import Emit, Event
-from pipeline.core.vocabulary import Lens, Poses
+from pipeline.core.vocabulary import Lens
 from synth.files import read_png, write_depth, write_png, write_text
 from synth.lens import block_lenses
 from synth.motion import block_poses, ring_motion
 from synth.scene import Scene, build_scene, lamps_in_ring
 from synth.sensor import develop
+from synth.shutter import Exposure, exposures
 from synth.spec import Output, Spec
 from synth.spec_reader import effective
 from synth.texture import encode, surface_texture
@@ -30,7 +31,6 @@ from synth.video import write_video
 
 VERSION = 1  # raise it when the same specification gives other pictures
 WORK = ".synth"
-BLUR_MOMENTS = 8
 
 
 def render_survey(spec: Spec, out: Path, emit: Emit) -> Path:
@@ -84,9 +84,6 @@ class _Job:
     def lenses(self) -> tuple[Lens, ...]:
         return block_lenses(self.spec)
 
-    def poses(self, shift: float) -> tuple[Poses, ...]:
-        return block_poses(self.spec, shift)
-
 
 def _frame(job: _Job, out: Path, block: int, frame: int) -> None:
     """Render one frame, unless it is there."""
@@ -96,26 +93,37 @@ def _frame(job: _Job, out: Path, block: int, frame: int) -> None:
     wants_depth = frame in spec.depth_frames
     if _delivered(job, out, block) or (picture.exists() and (not wants_depth or depth_file.exists())):
         return
-    shifts = _shutter(spec)
-    light, depth = _exposure(job, block, frame, shifts[0], 0)
-    for index, shift in enumerate(shifts[1:], start=1):
-        light = light + _exposure(job, block, frame, shift, index)[0]
-    grey = develop(light / len(shifts), job.lenses[block], spec.sensor, (spec.seed, 51, block, frame))
+    light, depth = _expose(job, block, frame, exposures(spec), 0)
+    grey = develop(light.astype(np.float64), job.lenses[block], spec.sensor, (spec.seed, 51, block, frame))
     if wants_depth:
-        if len(shifts) > 1:
-            depth = _exposure(job, block, frame, 0.0, len(shifts))[1]
+        if spec.sensor.motion_blur_mm > 0.0:
+            depth = _expose(job, block, frame, exposures(spec, blurred=False), len(exposures(spec)))[1]
         write_depth(depth_file, depth)
     write_png(picture, grey)
 
 
-def _exposure(job: _Job, block: int, frame: int, shift: float, index: int) -> tuple[Picture, Picture]:
+def _expose(
+    job: _Job, block: int, frame: int, parts: tuple[Exposure, ...], first: int
+) -> tuple[Picture, Picture]:
+    """Add up exposures, numbered from ``first``; the depth is theirs too if no two share a row."""
+    lens = job.lenses[block]
+    light = np.zeros((lens.height_px, lens.width_px, 3), np.float32)
+    depth = np.zeros(light.shape[:2], np.float32)
+    for index, part in enumerate(parts, start=first):
+        its_light, its_depth = _trace(job, block, frame, part, index)
+        light, depth = light + np.float32(part.weight) * its_light, depth + its_depth
+    if not np.any(depth):
+        name = f"{job.spec.blocks[block]} frame {frame}"
+        raise StageError("render", f"{name} shows no cable", "check robot.standoff_m and the lens")
+    return light, depth
+
+
+def _trace(job: _Job, block: int, frame: int, part: Exposure, index: int) -> tuple[Picture, Picture]:
     spec = job.spec
-    poses = job.poses(shift)[block]
+    poses = block_poses(spec, part.shift)[block]
     run = 0 if spec.robot.synchronised else block
-    moment = np.array([(frame + shift) / (spec.robot.frames - 1)])
+    moment = np.array([(frame + part.shift) / (spec.robot.frames - 1)])
     rotation, origin = ring_motion(spec, moment, run)
-    samples = math.ceil(spec.sensor.samples / len(_shutter(spec)))
-    name = f"{spec.blocks[block]} frame {frame}"
     seed = int(np.random.SeedSequence([spec.seed, 61, block, frame, index]).generate_state(1)[0] >> 1)
     return trace(
         job.scene,
@@ -125,19 +133,12 @@ def _exposure(job: _Job, block: int, frame: int, shift: float, index: int) -> tu
             translation=poses.translations[frame],
             lamps_in_world=lamps_in_ring(spec) @ rotation[0].T + origin[0],
             seed=seed,
-            samples=samples,
-            name=name,
+            samples=math.ceil(spec.sensor.samples * part.weight),
+            name=f"{spec.blocks[block]} frame {frame}",
+            rows=part.rows,
         ),
         job.work,
     )
-
-
-def _shutter(spec: Spec) -> list[float]:
-    """Moments within the open shutter, in frame intervals about the moment of the frame."""
-    if spec.sensor.motion_blur_mm == 0.0:
-        return [0.0]
-    open_for = spec.sensor.motion_blur_mm / 1000.0 * (spec.robot.frames - 1) / spec.robot.travel_m
-    return [open_for * ((i + 0.5) / BLUR_MOMENTS - 0.5) for i in range(BLUR_MOMENTS)]
 
 
 def _deliver(job: _Job, out: Path, block: int) -> None:
@@ -149,6 +150,7 @@ def _deliver(job: _Job, out: Path, block: int) -> None:
             (read_png(file) for file in files),
             out / source_name(spec, block),
             crf=spec.sensor.video_crf,
+            bits_per_second=round(1e6 * spec.sensor.video_mbit_per_s),
             frames_per_second=spec.sensor.frames_per_second,
         )
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pipeline.core.errors import StageError
 from pipeline.core.vocabulary import Array, Lens
-from synth.lens_camera import camera_matrix, check_rays, set_lens
+from synth.lens_camera import RAYS_CHECKED_MIN, camera_matrix, check_rays, set_lens
 from synth.scene import Scene
 
 Picture = NDArray[np.float32]
@@ -33,6 +33,7 @@ class Moment:
         seed: of the rays within the pixels; another one every frame, or their noise would stand still.
         samples: rays per pixel.
         name: for messages.
+        rows: first row and the one after the last that are exposed; None is the whole picture.
     """
 
     lens: Lens
@@ -42,6 +43,7 @@ class Moment:
     seed: int
     samples: int
     name: str
+    rows: tuple[int, int] | None = None
 
 
 def trace(built: Scene, moment: Moment, scratch: Path) -> tuple[Picture, Picture]:
@@ -54,7 +56,7 @@ def trace(built: Scene, moment: Moment, scratch: Path) -> tuple[Picture, Picture
 
     Returns:
         Linear light (height, width, 3) and the depth along the optical axis (height, width) in metres, 0
-        where the pixel's central ray misses the cable.
+        where the pixel's central ray misses the cable.  Other rows than those asked for are 0.
 
     Raises:
         StageError: the renderer wrote nothing, or did not trace through the lens.
@@ -65,6 +67,7 @@ def trace(built: Scene, moment: Moment, scratch: Path) -> tuple[Picture, Picture
     built.scene.cycles.seed = moment.seed
     built.scene.cycles.samples = moment.samples
     built.scene.update_tag()  # with persistent data Cycles would not see seed and samples otherwise
+    _expose_rows(built.scene.render, moment)
     file = scratch / "light.exr"
     file.unlink(missing_ok=True)
     built.scene.render.filepath = str(file)
@@ -73,9 +76,19 @@ def trace(built: Scene, moment: Moment, scratch: Path) -> tuple[Picture, Picture
     if not file.exists():
         raise StageError("render", f"Cycles wrote no picture of {moment.name}", "check the space on the disk")
     light, hits = _read(file)
-    check_rays(moment.lens, moment.rotation, moment.translation, hits.astype(float), moment.name)
+    if moment.rows is None or np.count_nonzero(hits.any(axis=-1)) >= RAYS_CHECKED_MIN:
+        check_rays(moment.lens, moment.rotation, moment.translation, hits.astype(float), moment.name)
     depth = hits.astype(float) @ moment.rotation[2] + moment.translation[2]
     return light, np.where(np.any(hits != 0.0, axis=-1), depth, 0.0).astype(np.float32)
+
+
+def _expose_rows(render: bpy.types.RenderSettings, moment: Moment) -> None:
+    """Limit the render to the moment's rows; Blender counts them from the bottom, as shares of the height."""
+    first, end = moment.rows or (0, moment.lens.height_px)
+    render.use_border, render.use_crop_to_border = moment.rows is not None, False
+    render.border_min_x, render.border_max_x = 0.0, 1.0
+    render.border_min_y = 1.0 - end / moment.lens.height_px
+    render.border_max_y = 1.0 - first / moment.lens.height_px
 
 
 def _read(file: Path) -> tuple[Picture, Picture]:

@@ -12,21 +12,27 @@ BT709 = 1  # the number of primaries, transfer and matrix in H.264's colour desc
 
 
 def write_video(
-    frames: Iterable[NDArray[np.uint8]], path: Path, *, crf: float, frames_per_second: int
+    frames: Iterable[NDArray[np.uint8]],
+    path: Path,
+    *,
+    crf: float,
+    frames_per_second: int,
+    bits_per_second: int = 0,
 ) -> None:
     """Encode a video.
 
     Args:
         frames: (height, width, 3) uint8 pictures in red, green, blue, all of one even size.
         path: the .mp4 to write; replaced only when the new one is whole.
-        crf: libx264's quality, 0 to 51.
+        crf: libx264's quality, 0 to 51; not used where a bit rate is given.
         frames_per_second: play-back speed.
+        bits_per_second: mean and largest rate of the encoder, buffered over half a second; 0 is none.
     """
     temporary = path.with_name(path.stem + ".part" + path.suffix)
     with av.open(str(temporary), "w") as container:
         stream = container.add_stream("libx264", rate=frames_per_second)
         stream.pix_fmt = "yuv420p"
-        stream.options = {"crf": f"{crf:g}", "preset": "medium"}
+        stream.options = {"preset": "medium"} | _quality(crf, bits_per_second)
         context = stream.codec_context
         context.thread_count = 2
         context.color_range = ColorRange.MPEG
@@ -41,3 +47,11 @@ def write_video(
             container.mux(stream.encode(coded))
         container.mux(stream.encode())
     temporary.replace(path)
+
+
+def _quality(crf: float, bits_per_second: int) -> dict[str, str]:
+    """Options of libx264: constant quality, or a rate held as a camera's encoder holds it."""
+    if not bits_per_second:
+        return {"crf": f"{crf:g}"}
+    rate = str(bits_per_second)
+    return {"b": rate, "maxrate": rate, "bufsize": str(bits_per_second // 2)}

@@ -1,8 +1,8 @@
 """The order of the cable pipeline, and no algorithm.
 
 survey -> frames -> for each block (lens, pos, match, adjust, dense, surface, texture, crop) -> mosaic -> ring
--> measure.  Every arrow is a product in the run folder, wired in ``block_stages.py`` and ``ring_stages.py``; see
-:mod:`pipeline.core.runfolder` for what is kept and what is made again.
+-> measure.  Every arrow is a product in the run folder, wired in ``block_stages.py`` and ``ring_stages.py``;
+:mod:`pipeline.core.runfolder` tells what is kept and what is made again.
 """
 
 from pathlib import Path

@@ -33,7 +33,7 @@ def evaluate(run_folder: Path, truth_json: Path) -> Evaluation:
     return Evaluation(
         name=report.text("name"),
         diameters=compare_diameters(report, truth),
-        cameras=compare_cameras(run_folder, truth) if "poses" in truth else None,
+        cameras=compare_cameras(run_folder, report, truth) if "poses" in truth else None,
         lenses=compare_lenses(report, truth) if "lenses" in truth else None,
         surface=compare_surface(run_folder, truth) if "radius_mm" in truth else None,
         straightness_mm_per_m=axis.number_or_nan("straightness_mm_per_m") if axis else float("nan"),

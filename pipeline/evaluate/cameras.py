@@ -27,16 +27,17 @@ SMALLEST_RECORD = 8
 """Bytes that a record in a binary file of COLMAP has at least."""
 
 
-def compare_cameras(run_folder: Path, truth: Document) -> CameraComparison:
-    """Compare the frames of all blocks of the truth.
+def compare_cameras(run_folder: Path, report: Document, truth: Document) -> CameraComparison:
+    """Compare the frames of all blocks of the run; the truth may know of more (a camera that was lost).
 
     Raises:
-        StageError: a block's sparse model is missing or has a frame that the truth does not know.
+        StageError: a block's sparse model is missing or has a frame or a name that the truth does not know.
     """
     blocks = truth.inside("poses")
-    pairs = {name: _block_pairs(run_folder, blocks, name) for name in blocks.values}
-    if not pairs:
-        raise truth.error("poses is empty")
+    names = [block.text("name") for block in report.items("blocks")]
+    if not names:
+        raise report.error("blocks is empty")
+    pairs = {name: _block_pairs(run_folder, blocks, name) for name in names}
     run = _joined([found for found, _ in pairs.values()])
     true = _joined([true for _, true in pairs.values()])
     fit = fit_similarity(_with_arms(run), _with_arms(true), with_scale=False)

@@ -333,7 +333,7 @@ def spoil(path, change):
             ["cam_from_world", "3 x 4"],
         ),
         ("truth", lambda v: v["radius_mm"]["values"].pop(), ["radius_mm.values has the shape"]),
-        ("truth", lambda v: v["poses"].update(Block9=[]), ["Block9", "no sparse model"]),
+        ("truth", lambda v: v["poses"].pop("Block2"), ["poses.Block2 is missing"]),
         (
             "report",
             lambda v: v["stations"][2].update(diameter_mm=None),

@@ -137,6 +137,62 @@ def test_motion_blur_smears_along_the_travel_only(tmp_path):
     assert blurred_across < sharp_across
 
 
+def test_a_rolling_shutter_leans_the_picture_and_leaves_its_middle_row(tmp_path):
+    still = replace(
+        THUMBNAILS,
+        depth_frames=(1,),
+        robot=replace(THUMBNAILS.robot, frames=2, angles_deg=(0.0,), travel_m=0.08),
+        sensor=replace(THUMBNAILS.sensor, full_well_e=0.0, samples=4),
+    )
+    rolling = replace(still, sensor=replace(still.sensor, readout_share=0.9))
+    for name, spec in (("still", still), ("rolling", rolling)):
+        render_survey(spec, tmp_path / name, silent)
+    before, after = (
+        pictures(tmp_path / name)["block1/0001.png"].mean(axis=2) for name in ("still", "rolling")
+    )
+
+    def moved_px(rows):
+        columns = np.arange(40, 120)
+        misfit = [
+            np.abs(after[rows][:, columns] - before[rows][:, columns - s]).mean() for s in range(-15, 16)
+        ]
+        return int(np.argmin(misfit)) - 15
+
+    # rows 58 to 66 are read (62 / 100 - 0.5) * 0.9 * 80 mm = 8.6 mm later, at about 0.4 px a mm
+    assert moved_px(slice(58, 66)) == pytest.approx(-4, abs=1)
+    assert moved_px(slice(33, 41)) == pytest.approx(5, abs=1)
+    with OpenEXR.File(str(tmp_path / "rolling" / "depth" / "block1_0001.exr")) as exr:
+        depth = exr.channels()["Z"].pixels
+    assert depth[50, 80] == pytest.approx(0.3 - 0.055, abs=1e-4)
+    assert depth[34:66, 80].min() > 0.2
+
+
+def test_the_seed_of_the_command_goes_before_that_of_the_specification(tmp_path):
+    spec, out = tmp_path / "spec.toml", tmp_path / "out"
+    spec.write_text(TOML.replace("frames = 3", "frames = 2"))
+    assert main(["render", str(spec), str(out), "--quiet", "--seed", "9"]) == 0
+    assert json.loads((out / "truth.json").read_text())["spec"]["seed"] == 9
+    assert main(["render", str(spec), str(out), "--quiet", "--seed", "-1"]) == 2
+
+
+def test_gloss_adds_glare_that_travels_with_the_lamps(tmp_path):
+    matt = replace(
+        THUMBNAILS,
+        depth_frames=(),
+        robot=replace(THUMBNAILS.robot, cameras=4, frames=2, travel_m=0.1),
+        sensor=replace(THUMBNAILS.sensor, full_well_e=0.0),
+        survey=replace(THUMBNAILS.survey, lost_blocks=("Block2", "Block3", "Block4")),
+    )
+    glossy = replace(matt, cable=replace(matt.cable, material=replace(matt.cable.material, gloss=1.0)))
+    for name, spec in (("matt", matt), ("glossy", glossy)):
+        render_survey(spec, tmp_path / name, silent)
+    dull, bright = pictures(tmp_path / "matt"), pictures(tmp_path / "glossy")
+    for frame in ("block1/0000.png", "block1/0001.png"):  # the glare stays in the middle of both
+        glare = bright[frame].astype(float).mean(axis=2) - dull[frame].mean(axis=2)
+        assert glare.max() > 25.0
+        assert abs(np.argmax(cv2.GaussianBlur(glare, (0, 0), 3.0).max(axis=0)) - 80) < 15
+
+
 def test_bad_input_ends_with_code_2_and_one_sentence(tmp_path, capsys):
     spec = tmp_path / "spec.toml"
     spec.write_text(TOML + "shutter = 3\n")

@@ -35,6 +35,7 @@ def test_the_shipped_specifications_are_good(name):
     assert spec.lens.division_lambda == -0.02
 
 
+DEFECT = {"kind": "dent", "height_mm": 1, "position_m": 0.1, "azimuth_deg": 20}
 STATIONS = {"station": [{"name": "A", "position_m": 0.1}, {"name": "A", "position_m": 0.2}]}
 
 
@@ -69,6 +70,17 @@ STATIONS = {"station": [{"name": "A", "position_m": 0.1}, {"name": "A", "positio
         ({"sensor": {"video_crf": 60}}, "sensor.video_crf is 60"),
         ({"depth_frames": [24]}, "depth_frames[0] is 24"),
         ({"name": ""}, "name is empty"),
+        ({"cable": {"defect": [DEFECT | {"kind": "hole"}]}}, "cable.defect[0].kind is 'hole'"),
+        ({"cable": {"defect": [DEFECT | {"position_m": 0.5}]}}, "cable.defect[0].position_m is 0.5"),
+        ({"cable": {"defect": [DEFECT | {"width_mm": 180}]}}, "cable.defect[0].width_mm is 180"),
+        ({"cable": {"defect": [DEFECT | {"length_mm": 3}]}}, "cable.defect[0].height_mm is 1.0"),
+        ({"cable": {"defect": [DEFECT], "fillet": {}}}, "cable.defect does not go with cable.fillet"),
+        ({"cable": {"bow_mm": 80}}, "robot.standoff_m is 0.3"),
+        ({"cable": {"material": {"drawn_out": 0.5}}}, "cable.material.drawn_out is 0.5"),
+        ({"cable": {"material": {"gloss": 2}}}, "cable.material.gloss is 2"),
+        ({"sensor": {"readout_share": 1.5}}, "sensor.readout_share is 1.5"),
+        ({"survey": {"lost_blocks": ["Block5"]}}, "survey.lost_blocks[0] is 'Block5'"),
+        ({"robot": {"cameras": 1}, "survey": {"lost_blocks": ["Block1"]}}, "survey.lost_blocks leaves no"),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )

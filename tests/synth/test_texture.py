@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -57,3 +58,23 @@ def test_each_strength_adds_its_own_marks(mark):
 
 def test_paint_is_lighter_than_a_weathered_sheath(sheath):
     assert paint(kind=MaterialKind.PAINTED)[..., 1].mean() > 1.3 * sheath[..., 1].mean()
+
+
+def test_a_bare_sheath_shows_nothing_but_the_few_specks_that_were_asked_for():
+    clean = dict.fromkeys(["grain", "dirt", "streaks", "scratches", "mottling", "speckle"], 0.0)
+    assert np.log(paint(**clean)[..., 1]).std() == pytest.approx(0.0, abs=1e-4)
+    marked = np.log(paint(**(clean | {"speckle": 0.6}), speck_density=0.03)[..., 1])
+    seen = np.abs(marked - np.median(marked)) > 0.1
+    count = cv2.connectedComponents(seen.astype(np.uint8))[0] - 1
+    area_cm2 = 8.0 * np.pi * 11.0
+    assert 0.1 < count / area_cm2 < 0.36  # of 0.36 drawn, the faintest are not seen
+    assert seen.mean() < 0.02
+
+
+def test_a_drawn_out_texture_changes_more_slowly_along_the_cable():
+    green = np.log(paint(scratches=0.0, drawn_out=20.0)[..., 1])
+    along, around = (np.abs(np.diff(green, axis=axis)).mean() for axis in (0, 1))
+    assert 5.0 < around / along < 40.0
+    usual = np.log(paint(scratches=0.0, streaks=0.0)[..., 1])
+    along, around = (np.abs(np.diff(usual, axis=axis)).mean() for axis in (0, 1))
+    assert around / along == pytest.approx(1.0, abs=0.1)

@@ -6,7 +6,7 @@ import tomllib
 import numpy as np
 import pytest
 
-from synth.spec import Cable, Fillet, LensSpec, Robot, Sensor, Spec, Station, SurveyClaim
+from synth.spec import Cable, Defect, Fillet, LensSpec, Robot, Sensor, Spec, Station, SurveyClaim
 from synth.truth import survey_toml, truth_of
 
 SPEC = Spec(
@@ -99,3 +99,50 @@ def test_the_survey_states_lambda_and_image_folders_when_asked():
         "lambda_radius": "half-diagonal",
         "calibrated": True,
     }
+
+
+def test_truth_tells_the_axis_and_the_peak_of_every_defect():
+    bulge = Defect(kind="bulge", height_mm=1.5, position_m=0.1, azimuth_deg=20.0)
+    dent = Defect(kind="dent", height_mm=1.0, position_m=0.1, azimuth_deg=200.0, length_mm=60.0)
+    truth = truth_of(Spec(cable=Cable(bow_mm=3.0, defect=(bulge, dent)), robot=Robot(travel_m=0.2)))
+    middle = truth["axis"][50]
+    assert (middle["position_m"], middle["x_mm"]) == (pytest.approx(0.1), pytest.approx(0.0, abs=1e-9))
+    assert middle["z_mm"] == pytest.approx(-3.0)  # azimuth 90 degrees is -z
+    assert [place["z_mm"] for place in truth["axis"][::100]] == pytest.approx([0.0, 0.0])
+    assert [defect["peak_mm"] for defect in truth["defects"]] == [1.5, -1.0]
+    assert truth["defects"][1] == {
+        "kind": "dent",
+        "height_mm": 1.0,
+        "position_m": 0.1,
+        "azimuth_deg": 200.0,
+        "length_mm": 60.0,
+        "width_mm": 40.0,
+        "peak_mm": -1.0,
+    }
+    radii_mm = np.array(truth["radius_mm"]["values"])  # about the local axis: the bow is not in them
+    assert radii_mm.max() == pytest.approx(55.0 + 1.5, abs=1e-6)
+    assert radii_mm[:, 45].max() - radii_mm[:, 45].min() == pytest.approx(0.0, abs=1e-9)
+
+
+def test_where_two_defects_meet_the_truth_tells_what_they_make_together():
+    bulge = Defect(kind="bulge", height_mm=1.5, position_m=0.1, azimuth_deg=20.0)
+    dent = Defect(kind="dent", height_mm=1.0, position_m=0.11, azimuth_deg=20.0)  # half-way to the edge
+    truth = truth_of(Spec(cable=Cable(defect=(bulge, dent))))
+    assert [d["peak_mm"] for d in truth["defects"]] == pytest.approx(
+        [1.5 - 0.75**3, -1.0 + 1.5 * 0.75**3], abs=1e-8
+    )
+
+
+def test_a_principal_point_may_be_stated_off_by_a_share_of_the_width():
+    claim = SurveyClaim(principal_point_error_percent=1.0)
+    block = tomllib.loads(survey_toml(Spec(survey=claim)))["block"][0]
+    assert np.subtract(block["lens"]["principal_point_px"], (480.0, 300.0)) == pytest.approx([7.68, 5.76])
+    assert truth_of(Spec(survey=claim))["lenses"]["Block1"]["principal_point_px"] == [480.0, 300.0]
+
+
+def test_a_lost_block_is_missing_in_the_survey_only():
+    spec = Spec(survey=SurveyClaim(lost_blocks=("Block3",)))
+    survey = tomllib.loads(survey_toml(spec))
+    assert [block["name"] for block in survey["block"]] == ["Block1", "Block2", "Block4"]
+    assert [block["angle_deg"] for block in survey["block"]] == [0.0, 90.0, 270.0]
+    assert "Block3" in truth_of(spec)["poses"]

@@ -62,3 +62,14 @@ def test_a_failed_video_leaves_the_old_one(frames, tmp_path):
     with pytest.raises(OSError, match="disk"):
         write_video(broken(), path, crf=12, frames_per_second=10)
     assert path.read_bytes() == b"old"
+
+
+def test_a_bit_rate_is_held(tmp_path):
+    rng = np.random.default_rng(5)
+    noise = [rng.integers(60, 200, (96, 160, 3)).astype(np.uint8) for _ in range(24)]  # wants far more
+    bits = []
+    for rate in (200_000, 400_000):
+        write_video(iter(noise), tmp_path / "v.mp4", crf=5, frames_per_second=10, bits_per_second=rate)
+        bits.append(8 * (tmp_path / "v.mp4").stat().st_size / 2.4)
+    assert bits[0] == pytest.approx(200_000, rel=0.5)
+    assert bits[1] / bits[0] == pytest.approx(2.0, rel=0.25)

@@ -1,11 +1,13 @@
 """Progress for people and for programs, on stderr: a bar with the time left, or one JSON event a line."""
 
 import json
+import os
 import sys
 import time
 from dataclasses import asdict
 from typing import TextIO
 
+from pipeline.core.errors import Cancelled
 from pipeline.core.events import Emit, Event, silent
 
 # rough share of each stage in a run, from timings of the demo survey; only the time left hangs on it
@@ -36,12 +38,26 @@ def emitter(style: str, blocks: tuple[str, ...]) -> Emit:
     Args:
         style: how to tell.
         blocks: names of the survey's blocks, in order: block-by-block stages count them.
+
+    Raises:
+        Cancelled: out of what it gives, when the reader of stderr has gone.
     """
-    if style == "json":
-        return _json_lines
     if style == "none":
         return silent
-    return _Bar(sys.stderr, blocks)
+    return _heard(_json_lines if style == "json" else _Bar(sys.stderr, blocks))
+
+
+def _heard(emit: Emit) -> Emit:
+    """Cancel the run when nobody reads our progress any more: the program that started it has gone."""
+
+    def tell(event: Event) -> None:
+        try:
+            emit(event)
+        except BrokenPipeError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())  # for all that is still to be said
+            raise Cancelled from None
+
+    return tell
 
 
 def _json_lines(event: Event) -> None:

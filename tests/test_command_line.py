@@ -10,7 +10,8 @@ import pytest
 
 from pipeline.__main__ import STAGE_NAMES
 from pipeline.cable.run import STAGES
-from tests.command import ENVIRONMENT, ROOT, line_of, pipeline, synth
+from tests.bad_input import cylinder
+from tests.command import ENVIRONMENT, ROOT, line_of, pipeline, start_pipeline, synth
 
 
 @pytest.mark.parametrize(
@@ -72,6 +73,16 @@ def test_an_error_wipes_the_half_drawn_bar_from_a_terminal(tmp_path):
     os.close(outer)
     assert done.returncode == 2
     assert shown.startswith("\r\x1b[Kerror: ")
+
+
+def test_a_run_whose_listener_has_gone_stops_and_is_no_success(tmp_path):
+    """Exit code 0 only when the product is there: the extension's Blender may be closed half way."""
+    words = ("run", cylinder.write_survey(tmp_path), "--out", tmp_path / "run", "--events", "json")
+    process = start_pipeline(*words)
+    assert json.loads(process.stderr.readline())["stage"] == "frames"
+    process.stderr.close()
+    assert process.wait(timeout=60) == 130
+    assert not (tmp_path / "run" / "report.json").exists()
 
 
 class TestAFinishedRun:

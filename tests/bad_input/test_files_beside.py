@@ -133,8 +133,9 @@ class TestEvaluate:
     def test_a_run_without_its_sparse_models(self, evaluation):
         pose = {"frame": 0, "cam_from_world": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0.3]]}
         truth = {"format": 1, "stations": [STATION], "poses": {"Block1": [pose]}}
-        said = evaluation({"format": 1, "name": "tiny", "stations": [STATION]}, truth)
-        assert "Block1" in said
+        report = {"format": 1, "name": "tiny", "stations": [STATION], "blocks": [{"name": "Block1"}]}
+        said = evaluation(report, truth)
+        assert "blocks/Block1/sparse" in said
 
     def test_figures_that_cannot_be_written(self, evaluation, tmp_path):
         (tmp_path / "file").write_text("in the way")

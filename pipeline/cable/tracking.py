@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from pipeline.cable.sweep import SurfaceView, SweepGrid
 from pipeline.core.axis import AxisCurve
-from pipeline.core.cylinder_view import image_points
+from pipeline.core.division import project
 from pipeline.core.vocabulary import Array, Lens, Poses
 
 Gray = NDArray[np.uint8]
@@ -268,7 +268,7 @@ class Tracker:
     def _pixels(self, frame: int, places: Array) -> Array:
         """Where the places were looked up in the original frame, (m, 2)."""
         rotation, translation = self._poses.rotations[frame], self._poses.translations[frame]
-        return image_points(self._lens, rotation, translation, self.surface(places))
+        return project(self._lens, self.surface(places) @ rotation.T + translation)
 
     def _in_frame(self, pixels: Array) -> NDArray[np.bool_]:
         border = self._options.window_px / 2

@@ -2,6 +2,7 @@
 
 PY := .venv/bin/python
 SEEDS ?= 1 2 3
+SEED ?= 11
 
 # sums in BLAS depend on how many threads share them, and small matrices lose by sharing
 export OPENBLAS_NUM_THREADS ?= 1
@@ -10,7 +11,7 @@ export PYTHONHASHSEED ?= 0
 export MPLBACKEND ?= Agg
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint bench clean
+.PHONY: help setup demo test accuracy lint bench clean
 
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 16
@@ -26,10 +27,14 @@ demo: .venv/.ready ## render a survey, reconstruct it, print the diameters again
 test: .venv/.ready ## run the tests
 	@$(PY) -m pytest
 
+accuracy: .venv/.ready ## the gate: paper and sway in small, each figure between two bounds (SEED=11): minutes
+	@$(PY) -m synth.gate --seed $(SEED) --out out/accuracy
+
 lint: .venv/.ready ## check style and types
 	@$(PY) -m ruff check .
 	@$(PY) -m ruff format --check .
 	@$(PY) -m mypy
+	@$(PY) -m mypy -p tools.observability
 
 bench: .venv/.ready ## every scenario of specs/bench with several seeds (SEEDS="1 2 3"): hours
 	@$(PY) -m synth suite --seeds $(SEEDS) --out out/bench

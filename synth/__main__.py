@@ -47,6 +47,15 @@ def _parser() -> argparse.ArgumentParser:
     suite.add_argument("--out", type=Path, default=Path("out/bench"))
     suite.add_argument("--only-render", action="store_true", help="stop when the videos are there")
     suite.add_argument("--stock", action="store_true", help="compare with stock COLMAP too")
+    suite.add_argument(
+        "--keep-runs", action="store_true", help="keep runs that survey and program would only repeat"
+    )
+    suite.add_argument(
+        "--only-table", action="store_true", help="run nothing: table and page from OUT/results.json"
+    )
+    suite.add_argument(
+        "--docs", type=Path, metavar="DOCS", help="write DOCS/benchmark.md and its plots, of these seeds"
+    )
     suite.set_defaults(act=_suite)
     for command in (render, suite):
         command.add_argument("--events", choices=["json"], help="progress as one JSON event a line on stderr")
@@ -68,16 +77,26 @@ def _render(options: argparse.Namespace) -> int:
 
 
 def _suite(options: argparse.Namespace) -> int:
-    from synth.suite import SuiteOptions, run_suite
+    from synth.suite import SuiteOptions, read_results, run_suite
+    from synth.suite_docs import write_docs
+    from synth.suite_table import in_order, results_markdown
 
     _refuse_negative(options.seeds)
     choice = SuiteOptions(
-        seeds=tuple(dict.fromkeys(options.seeds)), only_render=options.only_render, stock=options.stock
+        seeds=tuple(dict.fromkeys(options.seeds)),
+        only_render=options.only_render,
+        stock=options.stock,
+        keep_runs=options.keep_runs,
     )
-    results = run_suite(options.spec, options.out, choice, _emitter(options))
+    failed = []
+    if not options.only_table:
+        results = run_suite(options.spec, options.out, choice, _emitter(options))
+        failed = [case for case in results.cases if case.failure is not None]
+    merged = in_order(read_results(options.out))
     if not options.only_render:
-        print((options.out / "results.md").read_text(encoding="utf-8"), end="")
-    failed = [case for case in results.cases if case.failure is not None]
+        print(results_markdown(merged), end="")
+    if options.docs is not None:
+        write_docs(in_order(merged, choice.seeds), options.docs)
     for case in failed:
         print(f"{case.scenario}, seed {case.seed}: {case.failure}", file=sys.stderr)
     return 1 if failed else 0

@@ -1,9 +1,9 @@
 """The order of things: texture, scene, every frame of every block, videos, truth, survey.  Needs bpy.
 
 Resumes: frames that an interrupted run left are kept as long as specification and renderer are the same.
+What the survey claims is no part of the pictures: changed claims rewrite survey.toml and truth.json alone.
 """
 
-import hashlib
 import json
 import math
 import shutil
@@ -23,14 +23,11 @@ from synth.scene import Scene, build_scene, lamps_in_ring
 from synth.sensor import develop
 from synth.shutter import Exposure, exposures
 from synth.spec import Output, Spec
-from synth.spec_reader import effective
+from synth.stamps import CLAIMS, PICTURES, WORK, claims_stamp, pictures_stamp
 from synth.texture import encode, surface_texture
 from synth.tracer import Moment, Picture, trace
 from synth.truth import source_name, survey_toml, truth_of
 from synth.video import write_video
-
-VERSION = 1  # raise it when the same specification gives other pictures
-WORK = ".synth"
 
 
 def render_survey(spec: Spec, out: Path, emit: Emit) -> Path:
@@ -42,16 +39,17 @@ def render_survey(spec: Spec, out: Path, emit: Emit) -> Path:
         emit: progress, one event a frame.
 
     Returns:
-        The survey.toml, written last, so that it stands for a whole product.
+        The survey.toml, which is there only where the product is whole.
 
     Raises:
         StageError: the folder cannot be written, or a frame was not traced as specified.
         Cancelled: from ``emit``.
     """
     work = _open_folder(spec, out)
-    survey = out / "survey.toml"
+    survey, claims = out / "survey.toml", out / CLAIMS
+    told = claims.exists() and claims.read_text() == claims_stamp(spec)
     if survey.exists():
-        return survey
+        return survey if told else _tell(spec, out)
     job = _Job(spec=spec, work=work)
     total = len(spec.blocks) * spec.robot.frames
     for block in range(len(spec.blocks)):
@@ -60,10 +58,17 @@ def render_survey(spec: Spec, out: Path, emit: Emit) -> Path:
             done = block * spec.robot.frames + frame + 1
             emit(Event(stage="render", done=done, total=total, block=spec.blocks[block]))
         _deliver(job, out, block)
-    write_text(out / "truth.json", json.dumps(truth_of(spec)))
-    write_text(survey, survey_toml(spec))
+    _tell(spec, out)
     shutil.rmtree(work / "frames", ignore_errors=True)
     return survey
+
+
+def _tell(spec: Spec, out: Path) -> Path:
+    """Write what was really there and what the survey claims; the stamp last, so that it stands for both."""
+    write_text(out / "truth.json", json.dumps(truth_of(spec)))
+    write_text(out / "survey.toml", survey_toml(spec))
+    write_text(out / CLAIMS, claims_stamp(spec))
+    return out / "survey.toml"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -171,8 +176,7 @@ def _open_folder(spec: Spec, out: Path) -> Path:
         StageError: it cannot be made or written, or holds what synth did not write.
     """
     work = out / WORK
-    stamp = hashlib.sha256(json.dumps([VERSION, effective(spec)], sort_keys=True).encode()).hexdigest()
-    stamp_file = work / "stamp"
+    stamp, stamp_file = pictures_stamp(spec), out / PICTURES
     try:
         out.mkdir(parents=True, exist_ok=True)
         if stamp_file.exists() and stamp_file.read_text() != stamp:

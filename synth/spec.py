@@ -135,6 +135,7 @@ class SurveyClaim:
         lambda_given: whether lambda is stated at all.
         lambda_error: added to the stated lambda.
         travel_error_percent: stated travel is off by this much.
+        travel_sigma_mm: stated standard deviation of the travel; 0 states none.
         diameter_given: whether the nominal diameter is stated.
         principal_point_error_percent: stated principal point is off by this much of the image width, in the
             image direction (0.8, 0.6).
@@ -146,6 +147,7 @@ class SurveyClaim:
     lambda_given: bool = True
     lambda_error: float = 0.0
     travel_error_percent: float = 0.0
+    travel_sigma_mm: float = 0.0
     diameter_given: bool = True
     principal_point_error_percent: float = 0.0
     lost_blocks: tuple[str, ...] = ()

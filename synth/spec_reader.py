@@ -56,6 +56,7 @@ NON_NEGATIVE = frozenset(
         "speck_density",
         "video_mbit_per_s",
         "focal_spread_percent",
+        "travel_sigma_mm",
     ]
 )
 FRACTION = frozenset(

@@ -23,7 +23,7 @@ from synth.spec import Output, Spec
 from synth.spec_reader import effective
 from synth.surface import axis_m, base_radius_m, mean_diameter_mm, mean_radius_m, radius_m
 
-RADIUS_STEP_DEG = 2.0
+RADIUS_STEP_DEG = 1.0  # a rib of 8 mm covers eight of them
 RADIUS_STEP_M = 0.002
 PRINCIPAL_POINT_ERROR_DIRECTION = (0.8, 0.6)  # x and y of the image
 
@@ -122,6 +122,8 @@ def survey_toml(spec: Spec) -> str:
     claim, robot = spec.survey, spec.robot
     lines = ["format = 1", f"name = {_text(spec.name)}", "", "[cable]"]
     lines.append(f"travel_m = {_num(robot.travel_m * (1.0 + claim.travel_error_percent / 100.0))}")
+    if claim.travel_sigma_mm:
+        lines.append(f"travel_sigma_mm = {_num(claim.travel_sigma_mm)}")
     if claim.diameter_given:
         lines.append(f"diameter_mm = {_num(round(2000.0 * base_radius_m(spec.cable)))}")
     for station in spec.cable.station:

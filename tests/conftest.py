@@ -11,7 +11,7 @@ import pytest
 from tests.command import ROOT, Command, pipeline, synth
 
 RENDERED = "CABLETWIN_TEST_SURVEY"
-"""Environment variable: a folder that ``python -m synth render specs/small.toml`` has filled already."""
+"""Environment variable: a folder that ``python -m synth render specs/gate/paper.toml`` has filled already."""
 
 
 @dataclass(frozen=True)
@@ -28,18 +28,18 @@ class Run:
 
 @pytest.fixture(scope="session")
 def rendered(tmp_path_factory):
-    """The folder of the small survey: four videos, survey.toml, truth.json."""
+    """The folder of the gate's easy survey: four videos, survey.toml, truth.json."""
     if os.environ.get(RENDERED):
         return Path(os.environ[RENDERED]).resolve()
     folder = tmp_path_factory.mktemp("rendered")
-    done = synth("render", ROOT / "specs" / "small.toml", folder, "--quiet")
+    done = synth("render", ROOT / "specs" / "gate" / "paper.toml", folder, "--quiet")
     assert done.code == 0, done.stderr
     return folder
 
 
 @pytest.fixture(scope="session")
 def finished(rendered, tmp_path_factory):
-    """The small survey reconstructed, compared with its truth.  Read only: change a copy."""
+    """That survey reconstructed, compared with its truth.  Read only: change a copy."""
     folder = tmp_path_factory.mktemp("finished") / "run"
     words = (rendered / "survey.toml", "--out", folder, "--truth", rendered / "truth.json")
     done = pipeline("run", *words, "--events", "json")

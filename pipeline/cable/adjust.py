@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pipeline.cable.match import TiePoints
 from pipeline.core.bundle import BundleOptions, BundleResult, RigPriors, adjust_bundle, intersect_points
-from pipeline.core.division import parameters, with_parameters
+from pipeline.core.division import unknowns, with_unknowns
 from pipeline.core.events import Emit, Event, part
 from pipeline.core.rig import Observations, Rig
 from pipeline.core.rotations import cross_matrix, poses_from_centres
@@ -220,7 +220,7 @@ def _single_camera(poses: Poses, lens: Lens, points: Array) -> Rig:
         body_centres=poses.centres,
         mount_rotations=np.eye(3)[None],
         mount_centres=np.zeros((1, 3)),
-        lenses=parameters(lens)[None],
+        lenses=unknowns(lens)[None],
         points=points,
     )
 
@@ -234,7 +234,7 @@ def _without_correction(
     options: AdjustOptions,
     emit: Emit,
 ) -> LensEffect | None:
-    straight = with_parameters(lens, parameters(lens) * np.array([1, 1, 1, 0]))
+    straight = with_unknowns(lens, unknowns(lens) * np.array([1, 1, 1, 0]))
     if lens.division_lambda == 0:
         return None
     loose = replace(options, loss_scales_px=(8.0,), gross_px=np.inf)

@@ -52,6 +52,8 @@ class BlockStages:
         survey = self._survey
         sources = [[stamp_file(f) for f in _source_files(b)] for b in survey.blocks]
         places = [(b.name, b.travel_in_image, b.lens_spec) for b in survey.blocks]
+        unordered = [b.name for b in survey.blocks if not b.ordered]
+        rough = (unordered, survey.robot.standoff_m, survey.cable.diameter_mm) if unordered else None
         product = self._folder.product(
             "frames",
             SurveyFrames,
@@ -65,6 +67,7 @@ class BlockStages:
             survey.cable.travel_m,
             survey.robot.synchronised,
             self._options.frames,
+            rough,
         )
         return [
             Product.of(sequence, source, root=self._folder.path)
@@ -105,7 +108,8 @@ class BlockStages:
             return pos
 
         measured = stamp_file(block.pos) if block.pos else None
-        place = (block.angle_deg, block.travel_in_image, survey.robot.standoff_m, survey.cable.travel_m)
+        cable, standoff_m = survey.cable, survey.robot.standoff_m
+        place = (block.angle_deg, block.travel_in_image, standoff_m, cable.travel_m, cable.travel_sigma_mm)
         needs = [*self._needs(n, "frames"), measured, place, options]
         return self._folder.product("pos", PosPriors, make, *needs, block=block.name)
 

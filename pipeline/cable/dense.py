@@ -1,26 +1,37 @@
 """Stage *dense*: the radius of every cell of one block's surface (paper, section 2.4).
 
 Takes the original frames and the adjusted block; gives a radius map about the block's own axis with a quality
-measure and a consistency mask.  Sweeps twice: coarse cells over the whole search range, then fine cells
-around the coarse surface.  Leaves out meshing (surface) and colour (texture).
+measure and a consistency mask.  Sweeps three times: coarse cells over the whole search range; then cells of
+middle size, in small windows and sharp pictures, which tell relief but are noisy; then fine cells in large
+windows warped about that relief.  Leaves out meshing (surface) and colour (texture).
 """
 
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 
-import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeline.cable.adjust import Orientation
 from pipeline.cable.patch_match import match_patches
-from pipeline.cable.sweep import FrameReader, Image, SweepGrid, SweepResult, sweep_strip
+from pipeline.cable.start_surface import edge_keeping_start, smooth_start
+from pipeline.cable.strips import Strips, SweepPass
+from pipeline.cable.sweep import Image, SweepGrid, SweepResult
 from pipeline.core.axis import AxisCurve, axis_of_cylinder
 from pipeline.core.errors import StageError
-from pipeline.core.events import Emit, Event
+from pipeline.core.events import Emit
 from pipeline.core.fits.cylinder import Cylinder, fit_cylinder
 from pipeline.core.vocabulary import Array, FrameSequence
+
+COARSE_WINDOW = 9
+FINE_BASELINE_POWER = 2.0
+"""Short baselines help to find the surface and blur it when it is measured: weights as in least squares."""
+MIDDLE, MIDDLE_WINDOW = 2, 3
+"""Cells of the second sweep, in fine cells, and its window: 2 mm at 0.34 mm a cell, narrower than a rib."""
+SHARP_PX = 1.2
+"""Cells up to so many pixels wide are looked up in the frames as they are."""
+MIDDLE_STEPS, FINE_STEPS = 9, 4
+"""Candidates on either side of the start: a rib of 2 mm that the coarse sweep smoothed away is in reach."""
 
 
 class DenseMethod(StrEnum):
@@ -41,7 +52,9 @@ class DenseOptions:
         limb_deg: cells further than this from the camera's azimuth are not swept: there the outline begins.
         margin_mm: swept length beyond the first and the last frame.
         search_mm: half of the coarse search range about the block's fitted radius.
-        window: side of the comparison window in cells, odd.
+        window: side of the last comparison window in fine cells, odd.
+        detail_cells: brightness is counted from that of surroundings so wide (sigma of a Gaussian), so that
+            the shading by lamps that move along is not matched; 0 matches it.
         baselines_mm: distances to the frames compared with, on either side.
         least_score: cells whose agreement is lower are masked.
         consistency_mm: cells whose two half-results differ by more are masked.
@@ -54,7 +67,8 @@ class DenseOptions:
     margin_mm: float = field(default=25.0, metadata={"minimum": 0.0})
     search_mm: float = field(default=5.0, metadata={"above": 0.0})
     window: int = field(default=9, metadata={"minimum": 3})
-    baselines_mm: tuple[float, ...] = field(default=(40.0, 80.0, 120.0), metadata={"above": 0.0})
+    detail_cells: float = field(default=1.5, metadata={"minimum": 0.0})
+    baselines_mm: tuple[float, ...] = field(default=(40.0, 80.0, 100.0, 120.0), metadata={"above": 0.0})
     least_score: float = field(default=0.5, metadata={"minimum": 0.0, "maximum": 1.0})
     consistency_mm: float = field(default=0.35, metadata={"above": 0.0})
 
@@ -114,17 +128,50 @@ def sweep_block(
         return _mask(
             match_patches(frames, orientation, grid, scratch, emit), grid, ground_mm, frames.block, options
         )
-    coarse_grid = _grid(orientation, cylinder, azimuth_deg, cell_mm * options.coarse, options)
-    step_mm = _step_mm(options, cell_mm * options.coarse)
-    search_mm = np.arange(-options.search_mm, options.search_mm + 1e-9, step_mm)
-    start = np.full((len(coarse_grid.y_m), len(coarse_grid.azimuth)), cylinder.radius, dtype=np.float32)
-    work = _Strips(frames, orientation, options, emit)
-    found = work.sweep(coarse_grid, start, search_mm / 1000, blur_px=options.coarse / 2, part=0)
-    grid = _grid(orientation, cylinder, azimuth_deg, cell_mm, options)
-    start = _smooth_start(found, coarse_grid, grid, cylinder.radius)
-    search_mm = np.arange(-4, 5) * _step_mm(options, cell_mm)
-    fine = work.sweep(grid, start, search_mm / 1000, blur_px=0.0, part=1)
-    return _mask(fine, grid, ground_mm, frames.block, options)
+    found = _sweep_thrice(frames, orientation, cylinder, azimuth_deg, ground_mm, options, emit)
+    return _mask(*found, ground_mm, frames.block, options)
+
+
+def _sweep_thrice(
+    frames: FrameSequence,
+    orientation: Orientation,
+    cylinder: Cylinder,
+    azimuth_deg: float,
+    ground_mm: float,
+    options: DenseOptions,
+    emit: Emit,
+) -> tuple[SweepResult, SweepGrid]:
+    cell_mm = options.cell_mm or ground_mm
+    coarse, middle, fine = (
+        _grid(orientation, cylinder, azimuth_deg, cell_mm * size, options)
+        for size in (options.coarse, MIDDLE, 1)
+    )
+    strips = Strips(frames, orientation, options.baselines_mm, 3, emit)
+
+    def sweep(
+        grid: SweepGrid, start_m: Image, steps: int, window: int, size: int, power: float = 0.0
+    ) -> SweepResult:
+        offsets_m = np.arange(-steps, steps + 1) * _step_mm(options, cell_mm * size) / 1000
+        cell_px = cell_mm * size / ground_mm
+        return strips.sweep(
+            SweepPass(
+                grid=grid,
+                start_m=start_m,
+                offsets_m=offsets_m,
+                window=window,
+                blur_px=cell_px / 2 if cell_px > SHARP_PX else 0.0,
+                detail_px=options.detail_cells * cell_px,
+                baseline_power=power,
+            )
+        )
+
+    steps = max(round(options.search_mm / _step_mm(options, cell_mm * options.coarse)), 1)
+    start_m = np.full((len(coarse.y_m), len(coarse.azimuth)), cylinder.radius, dtype=np.float32)
+    found = sweep(coarse, start_m, steps, COARSE_WINDOW, options.coarse)
+    start_m = smooth_start(found, coarse, middle, cylinder.radius)
+    found = sweep(middle, start_m, MIDDLE_STEPS, MIDDLE_WINDOW, 1)
+    start_m = edge_keeping_start(found, middle, fine, cylinder.radius)
+    return sweep(fine, start_m, FINE_STEPS, options.window, 1, FINE_BASELINE_POWER), fine
 
 
 def _ground_sample_mm(orientation: Orientation, cylinder: Cylinder) -> float:
@@ -151,80 +198,6 @@ def _grid(
         azimuth=np.deg2rad(azimuth_deg) + np.linspace(-limb, limb, columns),
         y_m=along.min() - margin + cell * np.arange(rows),
     )
-
-
-class _Strips:
-    """Sweeps a grid strip by strip, each against the frame that stands nearest."""
-
-    def __init__(
-        self, frames: FrameSequence, orientation: Orientation, options: DenseOptions, emit: Emit
-    ) -> None:
-        self._frames, self._orientation = frames, orientation
-        self._options, self._emit = options, emit
-        self._along = orientation.poses.centres[:, 1]
-
-    def sweep(
-        self, grid: SweepGrid, start_m: Image, offsets_m: Array, blur_px: float, part: int
-    ) -> SweepResult:
-        shape = start_m.shape
-        fields = ("radius_m", "score", "radius_ahead_m", "radius_behind_m")
-        whole = {f: np.full(shape, np.nan, dtype=np.float32) for f in fields}
-        reader = FrameReader(self._read, blur_px)
-        nearest = np.abs(grid.y_m[:, None] - self._along).argmin(axis=1)
-        halo = self._options.window // 2
-        for reference in range(len(self._along)):
-            total = 2 * len(self._along)
-            done = part * len(self._along) + reference
-            self._emit(Event(stage="dense", block=self._frames.block, done=done, total=total))
-            rows = np.flatnonzero(nearest == reference)
-            if not len(rows):
-                continue
-            first, last = max(rows[0] - halo, 0), min(rows[-1] + halo + 1, shape[0])
-            strip = SweepGrid(axis=grid.axis, azimuth=grid.azimuth, y_m=grid.y_m[first:last])
-            ahead, behind = self._neighbours(reference, 1), self._neighbours(reference, -1)
-            found = sweep_strip(
-                reader,
-                self._orientation.lens,
-                self._orientation.poses,
-                reference,
-                ahead,
-                behind,
-                strip,
-                start_m[first:last],
-                offsets_m,
-                self._options.window,
-            )
-            for name, values in whole.items():
-                values[rows] = getattr(found, name)[rows - first]
-        return SweepResult(**whole)
-
-    def _neighbours(self, reference: int, side: int) -> tuple[int, ...]:
-        """Frames about the wanted baselines away, on one side; much closer ones cannot tell the radius."""
-        here = self._along[reference]
-        least_m = 0.75 * min(self._options.baselines_mm) / 1000
-        chosen = []
-        for baseline_mm in self._options.baselines_mm:
-            frame = int(np.abs(self._along - (here + side * baseline_mm / 1000)).argmin())
-            if (self._along[frame] - here) * side > least_m and frame not in chosen:
-                chosen.append(frame)
-        return tuple(chosen)
-
-    def _read(self, frame: int) -> NDArray[np.uint8]:
-        file = self._frames.files[frame]
-        return np.asarray(cv2.imread(str(file), cv2.IMREAD_GRAYSCALE), dtype=np.uint8)
-
-
-def _smooth_start(found: SweepResult, coarse: SweepGrid, fine: SweepGrid, radius_m: float) -> Image:
-    """The coarse surface without its outliers, at the fine cells: where the fine search begins."""
-    known = np.isfinite(found.radius_m) & (np.nan_to_num(found.score, nan=-1) > 0.3)
-    middle = float(np.median(found.radius_m[known])) if known.any() else radius_m
-    filled = np.where(known, found.radius_m, middle).astype(np.float32)
-    steady = cv2.medianBlur(filled, 5)
-    smooth = cv2.GaussianBlur(steady, (0, 0), 1.5)
-    column = np.interp(fine.azimuth, coarse.azimuth, np.arange(len(coarse.azimuth))).astype(np.float32)
-    row = np.interp(fine.y_m, coarse.y_m, np.arange(len(coarse.y_m))).astype(np.float32)
-    grid = np.meshgrid(column, row)
-    return np.asarray(cv2.remap(smooth, grid[0], grid[1], cv2.INTER_LINEAR), dtype=np.float32)
 
 
 def _mask(

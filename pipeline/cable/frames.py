@@ -1,7 +1,8 @@
 """Stage *frames*: from videos or image folders to the frames that are worked on, in the order of travel.
 
 Takes the survey; gives one :class:`~pipeline.core.vocabulary.FrameSequence` a block.  Frames of a video are
-written as PNG, images stay where they are.  The first and the last image are always taken, since the travel
+written as PNG, images stay where they are; those that need not lie in order are put in order first
+(``ordering.py``).  The first and the last image are always taken, since the travel
 is known between them.  Synchronised blocks get the same frame numbers.  Leaves out any correction of the
 images.
 """
@@ -15,10 +16,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.cable.ordering import OrderOptions, travel_fractions
 from pipeline.cable.sources import Image, image_files, is_video, read_frames
 from pipeline.cable.survey_records import Block, Survey
 from pipeline.core.errors import StageError
-from pipeline.core.events import Emit, Event
+from pipeline.core.events import Emit, Event, part
 from pipeline.core.files import write_png
 from pipeline.core.vocabulary import Array, FrameSequence, TravelDirection
 
@@ -36,11 +38,13 @@ class FrameOptions:
         sharpness_window: width of the window around each wanted place in which the sharpest frame is taken,
             in spacings; 0 takes the frame at the place itself.
         most_frames: never more frames a block than this; 0 is no limit.
+        order: of images that need not lie in the order of travel.
     """
 
     spacing_mm: float = field(default=15.0, metadata={"minimum": 0.0})
     sharpness_window: float = field(default=0.5, metadata={"minimum": 0.0, "maximum": 1.0})
     most_frames: int = field(default=0, metadata={"minimum": 0})
+    order: OrderOptions = field(default_factory=OrderOptions)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,24 +66,19 @@ def extract_frames(
 
     Raises:
         StageError: a source is unreadable, broken or too short; synchronised blocks differ in length; the
-            lens of a block does not fit its images.
+            lens of a block does not fit its images; images without order cannot be put in order.
     """
     scans = [_scan(block, emit) for block in survey.blocks]
     for block, scan in zip(survey.blocks, scans, strict=True):
         block.lens(scan.width_px, scan.height_px)  # tells now, and not stages later, what does not fit
+    values = [scan.sharpness for scan in scans]
     if survey.robot.synchronised:
         _check_counts(survey.blocks, scans)
-        together = combined_sharpness([scan.sharpness for scan in scans])
-        choices = [select_frames(together, survey.cable.travel_m, options)] * len(scans)
-    else:
-        choices = [select_frames(scan.sharpness, survey.cable.travel_m, options) for scan in scans]
-    rows = zip(survey.blocks, scans, choices, strict=True)
-    return tuple(_sequence(block, scan, chosen, folder, emit) for block, scan, chosen in rows)
-
-
-def sequence_positions(frames: FrameSequence, travel_m: float) -> Array:
-    """Place of each frame along the cable at constant speed (paper, section 3.1), (n,) metres."""
-    return travel_m * frames.source_indices / (frames.source_count - 1)
+        values = [combined_sharpness(values)] * len(scans)
+    sizes = [(scan.width_px, scan.height_px) for scan in scans]
+    fractions = travel_fractions(survey, sizes, options.order, part(emit, 0.5, 1.0))
+    rows = zip(survey.blocks, scans, values, fractions, strict=True)
+    return tuple(_sequence(survey, options, folder, emit, *row) for row in rows)
 
 
 def sharpness(image: Image, travel: TravelDirection) -> float:
@@ -125,15 +124,43 @@ def select_frames(values: Array, travel_m: float, options: FrameOptions) -> NDAr
     if options.most_frames:
         parts = min(parts, max(1, options.most_frames - 1))
     if parts + 1 < FEWEST_FRAMES:
-        raise StageError(
-            "frames",
-            f"options.frames leave {parts + 1} of {len(values)} frames",
-            f"lower spacing_mm or raise most_frames so that at least {FEWEST_FRAMES} remain",
-        )
+        raise _too_few(parts + 1, len(values))
     wanted = np.linspace(0, intervals, parts + 1)
     reach = options.sharpness_window * intervals / parts / 2
     chosen = [_sharpest(values, place, reach) for place in wanted[1:-1]]
     return np.array([0, *chosen, intervals], dtype=np.int64)
+
+
+def select_spread(
+    values: Array, fractions: Array, travel_m: float, options: FrameOptions
+) -> NDArray[np.int64]:
+    """Choose among images taken at uneven steps: the sharpest in every half spacing, and both ends.
+
+    Args:
+        values: (n,) sharpness of the images.
+        fractions: (n,) where along the travel they were taken.
+        travel_m: path between the outermost two.
+        options: spacing and largest number.
+
+    Returns:
+        (m,) image numbers in the order of travel.
+
+    Raises:
+        StageError: fewer than three images remain.
+    """
+    order = np.argsort(fractions, kind="stable")
+    inner, limits = order[1:-1], []
+    if options.spacing_mm:
+        limits.append(ceil(2000 * travel_m / options.spacing_mm))
+    if options.most_frames:
+        limits.append(options.most_frames - 2)
+    cells = max(min(limits), 0) if limits else 0
+    cell = np.minimum(fractions[inner] * cells, cells - 1).astype(int) if limits else np.arange(len(inner))
+    inside = [inner[cell == c] for c in range(cells if limits else len(inner))]
+    best = [max(images, key=lambda k: float(values[k])) for images in inside if len(images)]
+    if len(best) + 2 < FEWEST_FRAMES:
+        raise _too_few(len(best) + 2, len(order))
+    return np.array([order[0], *best, order[-1]], dtype=np.int64)
 
 
 def _sharpest(values: Array, place: float, reach: float) -> int:
@@ -142,6 +169,14 @@ def _sharpest(values: Array, place: float, reach: float) -> int:
     window = range(ceil(place - reach), floor(place + reach) + 1)
     near = [i for i in window if abs(i - place) < reach] or [centre]
     return max(near, key=lambda i: (values[i], -abs(i - centre)))
+
+
+def _too_few(left: int, count: int) -> StageError:
+    return StageError(
+        "frames",
+        f"options.frames leave {left} of {count} frames",
+        f"lower spacing_mm or raise most_frames so that at least {FEWEST_FRAMES} remain",
+    )
 
 
 def _scan(block: Block, emit: Emit) -> _Scan:
@@ -173,8 +208,20 @@ def _check_counts(blocks: Sequence[Block], scans: Sequence[_Scan]) -> None:
 
 
 def _sequence(
-    block: Block, scan: _Scan, chosen: NDArray[np.int64], folder: Path, emit: Emit
+    survey: Survey,
+    options: FrameOptions,
+    folder: Path,
+    emit: Emit,
+    block: Block,
+    scan: _Scan,
+    values: Array,
+    fractions: Array | None,
 ) -> FrameSequence:
+    travel_m = survey.cable.travel_m
+    if fractions is None:
+        chosen = select_frames(values, travel_m, options)
+    else:
+        chosen = select_spread(values, fractions, travel_m, options)
     if is_video(block):
         files = _write_frames(block, chosen, folder / block.name / "frames", emit)
     else:
@@ -188,6 +235,7 @@ def _sequence(
         source_count=len(scan.sharpness),
         width_px=scan.width_px,
         height_px=scan.height_px,
+        fractions=None if fractions is None else fractions[chosen],
     )
 
 

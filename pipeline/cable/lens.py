@@ -257,6 +257,6 @@ def _scene(frames: FrameSequence, lens: Lens, travel: TravelDirection, scene: Ca
         half_diagonal_px=float(np.hypot(lens.width_px, lens.height_px) / 2),
         focal_px=lens.focal_px,
         standoff_m=scene.standoff_m,
-        positions_m=frames.source_indices / max(frames.source_count - 1, 1) * scene.travel_m,
+        positions_m=frames.places_m(scene.travel_m),
         forward=1 if travel in (TravelDirection.RIGHT, TravelDirection.DOWN) else -1,
     )

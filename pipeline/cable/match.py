@@ -32,6 +32,10 @@ ESTIMATE_FROM = 400
 """About so many pairs of points are enough to estimate a fundamental matrix; all are checked against it."""
 
 
+STRAIGHT = AxisCurve(origin_y_m=0.0, coefficients=np.zeros((2, 1)))
+"""The y axis."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class MatchOptions:
     """How tie points are found and verified.
@@ -83,6 +87,7 @@ def match_block(
     radius_m: float,
     options: MatchOptions,
     emit: Emit,
+    axis: AxisCurve = STRAIGHT,
 ) -> TiePoints:
     """Find and verify the tie points of one block.
 
@@ -94,6 +99,7 @@ def match_block(
         radius_m: rough radius of the cable.
         options: see there.
         emit: progress, one event a frame.
+        axis: of the cable, where it is known better than that it lies on the y axis.
 
     Raises:
         StageError: a frame has too little texture to be tied to its neighbours.
@@ -103,8 +109,7 @@ def match_block(
         return np.asarray(cv2.imread(str(frames.files[frame]), cv2.IMREAD_GRAYSCALE), dtype=np.uint8)
 
     pinhole = undistorted_lens(lens)
-    straight = AxisCurve(origin_y_m=0.0, coefficients=np.zeros((2, 1)))
-    tracker = Tracker(read, lens, pos.poses, azimuth_deg, (straight, radius_m), options.track)
+    tracker = Tracker(read, lens, pos.poses, azimuth_deg, (axis, radius_m), options.track)
     tracks = []
     for home in range(len(frames)):
         emit(Event(stage="match", block=frames.block, done=home, total=len(frames)))
@@ -214,5 +219,7 @@ def _check_texture(frame: NDArray[np.int64], frames: FrameSequence, options: Mat
         raise StageError(
             "match",
             f"{frames.block}: frame {name} shares only {counts[poorest]} points with the others",
-            "check that it is sharp, that the cable fills the picture and that travel_in_image is right",
+            "check that it is sharp, that the cable fills the picture and that travel_in_image is right; "
+            "where images lie out of order or at uneven steps, or the POS file is poor, set ordered = false "
+            "for the block and leave out its pos",
         )

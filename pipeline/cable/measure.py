@@ -1,9 +1,9 @@
-"""Stage *measure*: diameters at the stations, with what they are worth.
+"""Stage *measure*: diameters at the stations, with what they are worth, and the relief.
 
 Takes the placed blocks; gives at every station a section with its mean, smallest and largest diameter, the
-standard deviation of the mean and the angle that was really seen, and the diameter and centre all along the
-cable.  Circles and ellipses are fitted to distances, over the closed ring (design, fact 8), never
-algebraically.
+standard deviation of the mean and the angle that was really seen, the diameter and centre all along the
+cable, and the relief: the base below what stands proud or is dented, and what does.  Circles and ellipses are
+fitted to distances, over the closed ring (design, fact 8), never algebraically.
 """
 
 from dataclasses import dataclass, field
@@ -13,6 +13,7 @@ import numpy as np
 from pipeline.cable.crop import Crop
 from pipeline.cable.cutting import Cut, Cutter
 from pipeline.cable.mosaic import Mosaic, MosaicBlock
+from pipeline.cable.relief import Relief, ReliefOptions, find_relief
 from pipeline.cable.ring import Ring
 from pipeline.cable.uncertainty import Spread, Uncertainty
 from pipeline.core.errors import StageError
@@ -50,6 +51,8 @@ class Section:
         sigma_mm: standard deviation of the mean diameter.
         sigma_image_mm, sigma_scale_mm, sigma_lens_mm: its parts: noise of the surface; scale and joining of
             the blocks; focal length.
+        base_diameter_mm, base_sigma_mm: mean diameter of the base section, without what stands proud or is
+            dented, and its standard deviation; NaN where too little was seen.
         min_mm, max_mm: axes of the fitted ellipse.
         coverage_deg: angle around the cable that was seen.
         centre_mm: (2,) x and z of the circle's centre.
@@ -63,6 +66,8 @@ class Section:
     sigma_image_mm: float
     sigma_scale_mm: float
     sigma_lens_mm: float
+    base_diameter_mm: float
+    base_sigma_mm: float
     min_mm: float
     max_mm: float
     coverage_deg: float
@@ -82,6 +87,7 @@ class Measurement:
         profile_centre_mm: (n, 2) x and z of the centres.
         straightness_mm_per_m: largest distance of the centres from their best line, by length.
         unmeasured: names of the stations where too little was seen.
+        relief: what stands out of the base surface.
     """
 
     sections: tuple[Section, ...]
@@ -91,6 +97,7 @@ class Measurement:
     profile_centre_mm: Array
     straightness_mm_per_m: float
     unmeasured: tuple[str, ...]
+    relief: Relief
 
 
 def measure_ring(
@@ -101,7 +108,9 @@ def measure_ring(
     uncertainty: Uncertainty,
     stations: tuple[tuple[str, float], ...],
     travel_m: float,
+    window_mm: float,
     options: MeasureOptions,
+    relief_options: ReliefOptions,
     emit: Emit,
 ) -> Measurement:
     """Measure every station and the profile.
@@ -111,7 +120,8 @@ def measure_ring(
         uncertainty: of what the diameters hang on.
         stations: names and positions, metres.
         travel_m: length of the profile.
-        options: see there.
+        window_mm: side of the window that the surface was matched with.
+        options, relief_options: see there.
         emit: progress.
 
     Raises:
@@ -119,14 +129,18 @@ def measure_ring(
     """
     cutter = Cutter(blocks, crops, mosaic, ring, options.bin_deg)
     spread = Spread(mosaic, ring, uncertainty)
+    steps = len(stations) + 2
+    emit(Event(stage="measure", done=0, total=steps))
+    radius_mm = 1000.0 * np.where(ring.measured, ring.radius_m, np.nan).astype(np.float64)
+    relief = find_relief(ring.azimuth, ring.y_m, radius_mm, travel_m, window_mm, relief_options)
     sections, unmeasured = [], []
     for number, (name, position) in enumerate(stations):
-        emit(Event(stage="measure", done=number, total=len(stations) + 1))
+        emit(Event(stage="measure", done=number + 1, total=steps))
         cut = cutter.cut(position, options.slice_mm)
         if cut.coverage_deg < options.least_coverage_deg:
             unmeasured.append(name)
             continue
-        sections.append(_section(name, position, cut, spread))
+        sections.append(_section(name, position, cut, spread, relief))
     if not sections:
         raise StageError(
             "measure",
@@ -144,14 +158,19 @@ def measure_ring(
         profile_centre_mm=profile[:, 2:],
         straightness_mm_per_m=_straightness(profile_y, profile[:, 2:]),
         unmeasured=tuple(unmeasured),
+        relief=relief,
     )
 
 
-def _section(name: str, position: float, cut: Cut, spread: Spread) -> Section:
+def _section(name: str, position: float, cut: Cut, spread: Spread, relief: Relief) -> Section:
     flat = cut.points[:, [0, 2]]
     circle = fit_circle(flat, cut.weights)
     ellipse = fit_ellipse(flat, cut.weights, ovality_sigma=1.0)
     image, scale, lens = spread.sigmas_mm(cut, circle)
+    base, base_noise = (
+        float(np.interp(position, relief.y_m, along, left=np.nan, right=np.nan))
+        for along in (relief.base_diameter_mm, relief.base_noise_mm)
+    )
     return Section(
         name=name,
         position_m=position,
@@ -160,6 +179,8 @@ def _section(name: str, position: float, cut: Cut, spread: Spread) -> Section:
         sigma_image_mm=image,
         sigma_scale_mm=scale,
         sigma_lens_mm=lens,
+        base_diameter_mm=base,
+        base_sigma_mm=float(np.sqrt(base_noise**2 + scale**2 + lens**2)),
         min_mm=ellipse.smallest_diameter,
         max_mm=ellipse.largest_diameter,
         coverage_deg=cut.coverage_deg,

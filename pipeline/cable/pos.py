@@ -9,7 +9,6 @@ from math import cos, radians, sin, sqrt
 
 import numpy as np
 
-from pipeline.cable.frames import sequence_positions
 from pipeline.cable.pos_file import read_pos, write_pos
 from pipeline.cable.survey_records import Block, Cable, Robot, Survey
 from pipeline.core.rotations import nominal_pose
@@ -18,8 +17,8 @@ from pipeline.core.vocabulary import Array, FrameSequence, PosPriors
 LOOSE = 3.0
 """How much looser than its own wander a frame's place along the cable is held in the joint adjustment."""
 
-END_SIGMA_M = 2e-5
-"""How tightly the ends of the travel are held there."""
+END_SIGMA_M = 2e-6
+"""How tightly the ends of the travel are held there: what the travel's own error adds is told apart."""
 
 __all__ = [
     "PosOptions",
@@ -41,7 +40,6 @@ class PosOptions:
         sway_deg: attitude of the robot about any axis.
         sway_mm: position of the robot across the cable.
         wander_mm: place along the cable half way, as the speed is not constant; less towards the ends.
-        travel_mm: the given travel.
         mounting_deg, mounting_mm: attitude and position of a camera on the robot.
         measured_deg, measured_mm: attitude and position in a POS file that does not give its own.
     """
@@ -49,7 +47,6 @@ class PosOptions:
     sway_deg: float = field(default=0.3, metadata={"above": 0.0})
     sway_mm: float = field(default=0.7, metadata={"above": 0.0})
     wander_mm: float = field(default=1.0, metadata={"minimum": 0.0})
-    travel_mm: float = field(default=0.05, metadata={"minimum": 0.0})
     mounting_deg: float = field(default=0.3, metadata={"minimum": 0.0})
     mounting_mm: float = field(default=0.5, metadata={"minimum": 0.0})
     measured_deg: float = field(default=0.1, metadata={"above": 0.0})
@@ -80,7 +77,7 @@ def robot_priors(robot: Robot, cable: Cable, frames: FrameSequence, options: Pos
     added to the result as a whole.  Between them the speed wanders smoothly, so one frame's place says little
     that its neighbours' do not: each gets the sigma of a bridge, LOOSE times.
     """
-    y_m = sequence_positions(frames, cable.travel_m)
+    y_m = frames.places_m(cable.travel_m)
     fraction = y_m / cable.travel_m
     bridge = LOOSE * options.wander_mm / 1000 * 2 * np.sqrt(fraction * (1 - fraction))
     body = np.empty((len(y_m), 6))
@@ -93,9 +90,9 @@ def robot_priors(robot: Robot, cable: Cable, frames: FrameSequence, options: Pos
     )
 
 
-def travel_share_sigma(cable: Cable, options: PosOptions) -> float:
+def travel_share_sigma(cable: Cable) -> float:
     """Relative standard deviation of the travel, and so of every length in the model."""
-    return options.travel_mm / 1000 / cable.travel_m
+    return cable.travel_sigma_mm / 1000 / cable.travel_m
 
 
 def pos_of_block(survey: Survey, block: Block, frames: FrameSequence, options: PosOptions) -> PosPriors:
@@ -115,26 +112,28 @@ def construct_pos(
     """Construct the POS from travel and time (paper, section 3.1).
 
     Frame k lies at y + (k - 1) l with l = travel / (n - 1); frames that are not all of the source's lie at
-    their fraction of it.  All else is nominal.
+    their fraction of it, those of an unordered source where the pictures put them.  All else is nominal.
 
     The sigmas of the projection centre: the robot's rotation moves a camera at the end of the arm of length
     stand-off along the cable and around it, but hardly towards it.  Along the cable there is also the wander
     of the speed, a bridge held at both ends (sigma of a Brownian bridge), and the travel's own error, which
     grows along the way.
     """
-    y_m = sequence_positions(frames, cable.travel_m)
+    y_m = frames.places_m(cable.travel_m)
     poses = nominal_pose(block.angle_deg, robot.standoff_m, y_m, block.travel_in_image)
-    fraction = sequence_positions(frames, 1.0)
-    return PosPriors(poses=poses, sigmas=_constructed_sigmas(block, robot, fraction, options))
+    fraction = frames.places_m(1.0)
+    return PosPriors(poses=poses, sigmas=_constructed_sigmas(block, robot, cable, fraction, options))
 
 
-def _constructed_sigmas(block: Block, robot: Robot, fraction: Array, options: PosOptions) -> Array:
+def _constructed_sigmas(
+    block: Block, robot: Robot, cable: Cable, fraction: Array, options: PosOptions
+) -> Array:
     """(n, 6) for frames at these fractions of the travel."""
     rotation = radians(sqrt(options.sway_deg**2 + options.mounting_deg**2))
     across = sqrt(options.sway_mm**2 + options.mounting_mm**2) / 1000
     lever = robot.standoff_m * radians(options.sway_deg)
     bridge = options.wander_mm / 1000 * 2 * np.sqrt(fraction * (1 - fraction))
-    travel = options.travel_mm / 1000 * fraction
+    travel = cable.travel_sigma_mm / 1000 * fraction
     azimuth = radians(block.angle_deg)
     sigmas = np.empty((len(fraction), 6))
     sigmas[:, :3] = rotation

@@ -13,6 +13,7 @@ from pipeline.cable.match import MatchOptions, TiePoints
 from pipeline.cable.measure import Measurement, MeasureOptions
 from pipeline.cable.mosaic import Mosaic, MosaicOptions
 from pipeline.cable.pos import PosOptions
+from pipeline.cable.relief import ReliefOptions
 from pipeline.cable.ring import Ring, RingOptions
 from pipeline.cable.surface import BlockSurface, SurfaceOptions
 from pipeline.cable.survey import Block, Survey
@@ -38,6 +39,7 @@ class CableOptions:
     mosaic: MosaicOptions = field(default_factory=MosaicOptions)
     ring: RingOptions = field(default_factory=RingOptions)
     measure: MeasureOptions = field(default_factory=MeasureOptions)
+    relief: ReliefOptions = field(default_factory=ReliefOptions)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -63,10 +63,15 @@ class RingStages(BlockStages):
                 )
                 for n, block in enumerate(survey.blocks)
             )
-            return adjust_ring(blocks, self._value("closing"), robot, self._options.joint, self._emit)
+            return adjust_ring(
+                blocks, self._value("closing"), robot, self._options.joint, self._emit, stations
+            )
 
+        # without a surface prior nothing is looked at station by station
+        stations = tuple((s.name, s.position_m) for s in survey.cable.stations)
+        stations = stations if self._options.joint.surface_sigma_mm > 0 else ()
         places = [(b.angle_deg, b.travel_in_image) for b in survey.blocks]
-        needs = [*self._all("adjust", "closing"), robot, places, self._options.joint]
+        needs = [*self._all("adjust", "closing"), robot, places, self._options.joint, stations]
         return self._folder.product("joint", RingOrientation, make, *needs)
 
     def _joined(self) -> tuple[MosaicBlock, ...]:
@@ -121,6 +126,8 @@ class RingStages(BlockStages):
         survey = self._survey
         stations = tuple((s.name, s.position_m) for s in survey.cable.stations)
         uncertainty = self._uncertainty()
+        cell_m = max(side for p in self.made["surface"] for side in p.value.cell_m)
+        window_mm = 1000 * cell_m * self._options.dense.window
         return self._folder.product(
             "measure",
             Measurement,
@@ -132,14 +139,18 @@ class RingStages(BlockStages):
                 uncertainty,
                 stations,
                 survey.cable.travel_m,
+                window_mm,
                 self._options.measure,
+                self._options.relief,
                 self._emit,
             ),
             *self._all("surface", "crop", "mosaic", "ring"),
             uncertainty,
             stations,
             survey.cable.travel_m,
+            window_mm,
             self._options.measure,
+            self._options.relief,
         )
 
     def _uncertainty(self) -> Uncertainty:
@@ -148,7 +159,7 @@ class RingStages(BlockStages):
         return Uncertainty(
             noise_mm=tuple(p.value.noise_mm for p in self.made["dense"]),
             focal_shares=tuple(lens.focal_sigma_px / lens.focal_px for lens in lenses),
-            travel_share=travel_share_sigma(self._survey.cable, self._options.pos),
+            travel_share=travel_share_sigma(self._survey.cable),
             together=None
             if ring is None
             else RingSigmas(

@@ -79,6 +79,7 @@ def survey_from(values: Mapping[str, object], folder: Path) -> Survey:
     for block in survey.blocks:
         _check_lens(block)
         _check_files(block)
+    _check_order(survey)
     for stage, table in survey.options.items():
         if not isinstance(table, Mapping):
             raise _error(f"options.{stage} is no table", f"write the options under [options.{stage}]")
@@ -189,6 +190,22 @@ def _check_files(block: Block) -> None:
         raise _error(f"{key}.source: {source} does not exist", "correct the path or bring the file there")
     if block.pos is not None and not block.pos.is_file():
         raise _error(f"{key}.pos: {block.pos} does not exist", "correct the path or leave the key out")
+
+
+def _check_order(survey: Survey) -> None:
+    unordered = [block.name for block in survey.blocks if not block.ordered]
+    for block in survey.blocks:
+        if not block.ordered and block.source.is_file():
+            raise _error(
+                f"block[{block.name}].ordered = false, but its source is a video, whose frames are in order",
+                "leave the key out, or give a folder of images",
+            )
+    if survey.robot.synchronised and 0 < len(unordered) < len(survey.blocks):
+        raise _error(
+            f"block[{unordered[0]}].ordered = false, but other blocks are in order and "
+            "robot.synchronised = true ties all blocks frame by frame",
+            "set robot.synchronised = false, so that each block is adjusted alone and the mosaic joins them",
+        )
 
 
 def _repeated[T](values: Iterable[T]) -> list[T]:

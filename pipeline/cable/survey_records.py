@@ -43,11 +43,13 @@ class Cable:
 
     Attributes:
         travel_m: path of the robot between the first and the last frame.
+        travel_sigma_mm: standard deviation of the travel, which every diameter inherits in proportion.
         diameter_mm: nominal, narrows the search and never enters a result; None where unknown.
         stations: where diameters are wanted, at least one after reading.
     """
 
     travel_m: float
+    travel_sigma_mm: float = field(default=0.05, metadata={"minimum": 0.0})
     diameter_mm: float | None = field(default=None, metadata={"above": 0.0})
     stations: tuple[Station, ...] = field(default=(), metadata={"key": "station"})
 
@@ -147,6 +149,8 @@ class Block:
         angle_deg: place of the camera around the axis, right-hand rule about +y.
         travel_in_image: image direction in which +y points.
         pos: absolute path of the measured POS, or None for the constructed one.
+        ordered: the images' names follow the travel at even steps; else order and places are found from the
+            pictures.
         lens_spec: the lens as written (``[block.lens]``).
     """
 
@@ -155,6 +159,7 @@ class Block:
     angle_deg: float
     travel_in_image: TravelDirection
     pos: Path | None = None
+    ordered: bool = True
     lens_spec: LensSpec = field(metadata={"key": "lens"})
 
     def lens(self, width_px: int, height_px: int) -> Lens:

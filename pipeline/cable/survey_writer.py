@@ -30,7 +30,14 @@ def survey_toml(survey: Survey, folder: Path) -> str:
 def _lines(survey: Survey, folder: Path) -> Iterator[str]:
     yield from _pairs({"format": survey.format, "name": survey.name})
     yield from ("", "[cable]")
-    yield from _pairs({"travel_m": survey.cable.travel_m, "diameter_mm": survey.cable.diameter_mm})
+    cable = survey.cable
+    yield from _pairs(
+        {
+            "travel_m": cable.travel_m,
+            "travel_sigma_mm": cable.travel_sigma_mm,
+            "diameter_mm": cable.diameter_mm,
+        }
+    )
     for station in survey.cable.stations:
         yield "[[cable.station]]"
         yield from _pairs({"name": station.name, "position_m": station.position_m})
@@ -53,6 +60,7 @@ def _block_values(block: Block, folder: Path) -> dict[str, object]:
         "angle_deg": block.angle_deg,
         "travel_in_image": block.travel_in_image.value,
         "pos": None if block.pos is None else _relative(block.pos, folder),
+        "ordered": None if block.ordered else False,
     }
 
 

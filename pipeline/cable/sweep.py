@@ -54,10 +54,25 @@ class SweepResult:
 
 
 class FrameReader:
-    """Grey frames as float32, blurred to the size of a cell; only the latest ``keep`` stay in memory."""
+    """Grey frames as float32, ready to be compared; only the latest ``keep`` stay in memory.
 
-    def __init__(self, read: Callable[[int], NDArray[np.uint8]], blur_px: float, keep: int = 40) -> None:
-        self._read, self._blur_px, self._keep = read, blur_px, keep
+    Args:
+        read: gives a frame.
+        blur_px: they are blurred so much, to the size of a cell.
+        detail_px: their brightness is counted from that of the surroundings so wide (the picture blurred with
+            this sigma is taken off).  Lamps that move with the robot shade relief anew in every frame; what
+            is painted on the surface stays, and it is finer.  0 leaves the pictures as they are.
+        keep: so many frames are held.
+    """
+
+    def __init__(
+        self,
+        read: Callable[[int], NDArray[np.uint8]],
+        blur_px: float,
+        detail_px: float = 0.0,
+        keep: int = 40,
+    ) -> None:
+        self._read, self._blur_px, self._detail_px, self._keep = read, blur_px, detail_px, keep
         self._held: OrderedDict[int, Image] = OrderedDict()
 
     def __getitem__(self, frame: int) -> Image:
@@ -65,6 +80,8 @@ class FrameReader:
             image = self._read(frame).astype(np.float32)
             if self._blur_px > 0:
                 image = cv2.GaussianBlur(image, (0, 0), self._blur_px).astype(np.float32)
+            if self._detail_px > 0:
+                image = image - cv2.GaussianBlur(image, (0, 0), self._detail_px).astype(np.float32)
             self._held[frame] = image
             if len(self._held) > self._keep:
                 self._held.popitem(last=False)
@@ -83,6 +100,7 @@ def sweep_strip(
     start_m: Image,
     offsets_m: Array,
     window: int,
+    baseline_power: float = 0.0,
 ) -> SweepResult:
     """Sweep one strip of cells.
 
@@ -96,18 +114,24 @@ def sweep_strip(
         start_m: (n, m) radius around which to search.
         offsets_m: (k,) evenly spaced candidates to add.
         window: side of the comparison window in cells, odd.
+        baseline_power: agreements are averaged with the baselines to this power as weights.
     """
     centre = SurfaceView(lens, poses, reference, grid)
     sides = [[SurfaceView(lens, poses, f, grid) for f in side] for side in (ahead, behind)]
-    visible = [[v.visible(start_m, window) for v in side] for side in sides]
+    baselines_m = np.linalg.norm(poses.centres - poses.centres[reference], axis=1)
+    weights = (baselines_m / max(baselines_m.max(), 1e-9)) ** baseline_power
+    visible = [[v.visible(start_m, window) * np.float32(weights[v.frame]) for v in s] for s in sides]
     seen = centre.visible(start_m, window)
+    reach_m = float(np.abs(offsets_m).max())
+    path = _Path(centre, start_m, reach_m)
+    paths = [[_Path(view, start_m, reach_m) for view in side] for side in sides]
     volumes = np.zeros((2, len(offsets_m), *start_m.shape), dtype=np.float32)
     for index, offset in enumerate(offsets_m):
-        radius = start_m + np.float32(offset)
-        template = _Template(centre.sample(frames[reference], radius), window)
+        template = _Template(path.sample(frames[reference], offset), window)
         for side in (0, 1):
-            for view, weight in zip(sides[side], visible[side], strict=True):
-                volumes[side, index] += weight * template.correlate(view.sample(frames[view.frame], radius))
+            for other, weight in zip(paths[side], visible[side], strict=True):
+                sampled = other.sample(frames[other.frame], offset)
+                volumes[side, index] += weight * template.correlate(sampled)
     counts = np.array([np.sum(side, axis=0) if side else np.zeros_like(start_m) for side in visible]) * seen
     return _peaks(volumes, counts, start_m, offsets_m)
 
@@ -173,6 +197,30 @@ class SurfaceView:
         inside &= row < self._lens.height_px - 3
         kernel = np.ones((window, window), dtype=np.uint8)
         return cv2.erode(inside.astype(np.uint8), kernel, borderValue=1).astype(np.float32)
+
+
+class _Path:
+    """The way of every cell through one frame as its radius changes: a parabola through three places.
+
+    Exact projections cost more than all the rest of the sweep; over 5 mm at 245 mm the parabola is off by
+    less than 0.01 px, over 1 mm by less than 0.0001 px.
+    """
+
+    def __init__(self, view: SurfaceView, start_m: Image, reach_m: float) -> None:
+        self.frame = view.frame
+        reach = np.float32(reach_m)
+        self._terms = [
+            (here, (after - before) / (2 * reach), (after + before - 2 * here) / (2 * reach**2))
+            for before, here, after in zip(
+                view.pixels(start_m - reach), view.pixels(start_m), view.pixels(start_m + reach), strict=True
+            )
+        ]
+
+    def sample(self, image: Image, offset_m: float) -> Image:
+        """The frame's values at the cells whose radius is ``offset_m`` larger than at the start."""
+        offset = np.float32(offset_m)
+        column, row = (here + offset * (slope + offset * bend) for here, slope, bend in self._terms)
+        return np.asarray(cv2.remap(image, column, row, cv2.INTER_CUBIC), dtype=np.float32)
 
 
 class _Template:

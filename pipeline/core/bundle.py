@@ -10,9 +10,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.core.normals import Chunk, Normals, assemble, covariance, solve, split_along_cable
+from pipeline.core.normals import (
+    Chunk,
+    Normals,
+    assemble,
+    covariance,
+    solve,
+    split_along_cable,
+    with_point_equations,
+)
 from pipeline.core.rig import Linearisation, Observations, Rig, linearise
 from pipeline.core.rotations import vector_from_rotation
+from pipeline.core.smooth_surface import SurfacePrior
 from pipeline.core.vocabulary import Array
 
 WORST_PX = 50.0  # what a point behind the camera costs, so that a step cannot win by hiding points there
@@ -26,7 +35,7 @@ class RigPriors:
         reference: the observed rig; its points are not used.
         body_sigmas: (F, 6) rotation vector in radians, then centre in metres.
         mount_sigmas: (C, 6) the same for the mountings.
-        lens_sigmas: (C, 4) focal length and principal point in pixels, division coefficient.
+        lens_sigmas: (C, 4) focal length and principal point in pixels, bend q.
     """
 
     reference: Rig
@@ -82,8 +91,9 @@ class BundleResult:
         residuals: (N, 2) pixels.
         weights: (N,) share of its weight that the loss left to each measurement, 0 to 1.
         covariance: (U, U) of the orientation unknowns (zero rows where held), for the stated ``sigma_px``.
-        normals: the normal equations at the solution.
+        normals: the image measurements' and the POS' normal equations at the solution.
         iterations: steps taken.
+        surface: the surface prior as adjusted; None without one.
     """
 
     rig: Rig
@@ -92,6 +102,7 @@ class BundleResult:
     covariance: Array
     normals: Normals
     iterations: int
+    surface: SurfacePrior | None = None
 
 
 def adjust_bundle(
@@ -100,6 +111,7 @@ def adjust_bundle(
     priors: RigPriors,
     options: BundleOptions,
     tell: Callable[[int, int], None],
+    surface: SurfacePrior | None = None,
 ) -> BundleResult:
     """Adjust the rig and its points to the measurements and the priors.
 
@@ -109,25 +121,28 @@ def adjust_bundle(
         priors: observed orientations.
         options: see there.
         tell: called with (iteration, iterations) before each step.
+        surface: pseudo-observations of the points; its covariance is then in that of the orientations.
     """
     chunks = split_along_cable(observations, len(rig.points))
     state = linearise(rig, observations)
-    cost, damping, taken = _cost(state, rig, priors, options), 1e-4, 0
+    cost, damping, taken = _cost(state, rig, priors, options, surface), 1e-4, 0
     for taken in range(1, options.iterations + 1):
         tell(taken, options.iterations)
-        normals = _normals(state, rig, priors, options, chunks)
+        normals = _with_surface(_normals(state, rig, priors, options, chunks), rig, surface)
         for _ in range(10):
             step, point_steps = solve(normals, damping)
-            trial = rig.moved(step, point_steps)
+            trial = rig.moved(step[: rig.unknowns], point_steps)
+            trial_surface = surface.moved(step[rig.unknowns :]) if surface else None
             trial_state = linearise(trial, observations)
-            trial_cost = _cost(trial_state, trial, priors, options)
+            trial_cost = _cost(trial_state, trial, priors, options, trial_surface)
             if trial_cost < cost:
                 break
             damping *= 10
         else:
             break
         gain = 1 - trial_cost / cost
-        rig, state, cost, damping = trial, trial_state, trial_cost, max(damping / 10, 1e-9)
+        rig, surface, state = trial, trial_surface, trial_state
+        cost, damping = trial_cost, max(damping / 10, 1e-9)
         if gain < options.tolerance:
             break
     normals = _normals(state, rig, priors, options, chunks)
@@ -135,9 +150,10 @@ def adjust_bundle(
         rig=rig,
         residuals=state.residuals,
         weights=_weights(state.residuals, options),
-        covariance=covariance(normals),
+        covariance=covariance(_with_surface(normals, rig, surface))[: rig.unknowns, : rig.unknowns],
         normals=normals,
         iterations=taken,
+        surface=surface,
     )
 
 
@@ -167,6 +183,10 @@ def _normals(
     return assemble(state, roots, priors.deviation(rig), priors.sigmas, chunks)
 
 
+def _with_surface(normals: Normals, rig: Rig, surface: SurfacePrior | None) -> Normals:
+    return with_point_equations(normals, surface.equations(rig.points)) if surface else normals
+
+
 def _squared(residuals: Array) -> Array:
     """Squared length of each residual in px^2; what cannot be projected counts as far off."""
     return np.nan_to_num(np.sum(residuals**2, axis=1), nan=WORST_PX**2)
@@ -177,9 +197,12 @@ def _weights(residuals: Array, options: BundleOptions) -> Array:
     return np.where(np.isfinite(residuals).all(axis=1), weights, 0.0)
 
 
-def _cost(state: Linearisation, rig: Rig, priors: RigPriors, options: BundleOptions) -> float:
+def _cost(
+    state: Linearisation, rig: Rig, priors: RigPriors, options: BundleOptions, surface: SurfacePrior | None
+) -> float:
     scale = (options.loss_scale_px / options.sigma_px) ** 2
     images = scale * np.log1p(_squared(state.residuals) / options.loss_scale_px**2).sum()
     deviation = priors.deviation(rig)
     observed = priors.sigmas > 0
-    return float(images + np.sum((deviation[observed] / priors.sigmas[observed]) ** 2))
+    said = surface.cost(rig.points) if surface else 0.0
+    return float(images + np.sum((deviation[observed] / priors.sigmas[observed]) ** 2) + said)

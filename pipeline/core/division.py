@@ -8,7 +8,8 @@ estimation of multiple view geometry and lens distortion", CVPR 2001.  Written f
 focal length it reads u = d / (1 + k |d|^2), k = lambda (f / r_unit)^2, which is COLMAP's SIMPLE_DIVISION.
 
 *Rays* are undistorted normalised image coordinates (x/z, y/z).  *Parameters* are (f, cx, cy, k): three in
-pixels, k without unit.  Pixel (0, 0) is the top-left corner of the image.
+pixels, k without unit.  *Unknowns* of an adjustment are (f, cx, cy, q), q the same bend in units of the
+picture.  Pixel (0, 0) is the top-left corner of the image.
 """
 
 from dataclasses import replace
@@ -19,6 +20,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from pipeline.core.errors import StageError
 from pipeline.core.vocabulary import Array, LambdaRadius, Lens
+
+BEND_UNIT_PX = 1000.0
+"""Unit of the radius that the adjusted coefficient q belongs to: some value that keeps it near 1."""
 
 LARGEST_CANVAS = 1.6
 """The undistorted canvas is at most this many times as wide and as high as the image."""
@@ -54,6 +58,26 @@ def with_parameters(lens: Lens, values: ArrayLike) -> Lens:
     return replace(bare, division_lambda=k * (radius_unit_px(bare) / focal) ** 2)
 
 
+def unknowns(lens: Lens) -> Array:
+    """(f, cx, cy, q) of the lens, (4,): what an adjustment looks for.
+
+    q = k (BEND_UNIT_PX / f)^2 is the bend of lines in the picture.  Unlike k it is the same whatever the
+    focal length is, so what plumb lines tell of it may be a prior beside a focal length that is 5 % off.
+    """
+    return parameters(lens) * np.array([1, 1, 1, (BEND_UNIT_PX / lens.focal_px) ** 2])
+
+
+def with_unknowns(lens: Lens, values: ArrayLike) -> Lens:
+    """Give the lens other (f, cx, cy, q), keeping its image size and its unit of lambda."""
+    focal, cx, cy, q = (float(value) for value in np.asarray(values))
+    return with_parameters(lens, (focal, cx, cy, q * (focal / BEND_UNIT_PX) ** 2))
+
+
+def bend_per_lambda(lens: Lens) -> float:
+    """What q changes by when lambda does."""
+    return (BEND_UNIT_PX / radius_unit_px(lens)) ** 2
+
+
 def pixels_to_rays(lens: Lens, points_px: ArrayLike) -> Array:
     """Undistort: (n, 2) pixels to (n, 2) rays, equation (15); NaN beyond the fold of the lens."""
     distorted = (np.asarray(points_px, dtype=float) - lens.principal_point_px) / lens.focal_px
@@ -78,18 +102,20 @@ def project(lens: Lens, points_in_cam: ArrayLike) -> Array:
     return rays_to_pixels(lens, points[..., :2] / depth)
 
 
-def project_with_jacobian(lens_parameters: ArrayLike, points_in_cam: ArrayLike) -> tuple[Array, Array, Array]:
+def project_with_jacobian(lens_unknowns: ArrayLike, points_in_cam: ArrayLike) -> tuple[Array, Array, Array]:
     """Project with analytic derivatives, for adjustments.
 
     Args:
-        lens_parameters: (4,) or (n, 4), (f, cx, cy, k).
+        lens_unknowns: (4,) or (n, 4), (f, cx, cy, q).
         points_in_cam: (n, 3), in front of the camera.
 
     Returns:
-        pixels (n, 2), d pixels / d point (n, 2, 3), d pixels / d (f, cx, cy, k) (n, 2, 4).
+        pixels (n, 2), d pixels / d point (n, 2, 3), d pixels / d (f, cx, cy, q) (n, 2, 4).
     """
     points = np.asarray(points_in_cam, dtype=float)
-    focal, cx, cy, k = np.moveaxis(np.broadcast_to(lens_parameters, (len(points), 4)), -1, 0)
+    focal, cx, cy, q = np.moveaxis(np.broadcast_to(lens_unknowns, (len(points), 4)), -1, 0)
+    per_bend = (focal / BEND_UNIT_PX) ** 2
+    k = q * per_bend
     inverse_depth = 1 / np.where(points[:, 2] > 0, points[:, 2], np.nan)
     u = points[:, :2] * inverse_depth[:, None]
     rho = np.sum(u**2, axis=1)
@@ -102,9 +128,10 @@ def project_with_jacobian(lens_parameters: ArrayLike, points_in_cam: ArrayLike) 
     ray_per_point[:, 0, 0] = ray_per_point[:, 1, 1] = inverse_depth
     ray_per_point[:, :, 2] = -u * inverse_depth[:, None]
     per_lens = np.zeros((len(points), 2, 4))
-    per_lens[:, :, 0] = scale[:, None] * u
+    per_k = (focal * slope * rho)[:, None] * u
+    per_lens[:, :, 0] = scale[:, None] * u + (2 * k / focal)[:, None] * per_k
     per_lens[:, 0, 1] = per_lens[:, 1, 2] = 1
-    per_lens[:, :, 3] = (focal * slope * rho)[:, None] * u
+    per_lens[:, :, 3] = per_bend[:, None] * per_k
     pixels = (focal * scale)[:, None] * u + np.stack([cx, cy], axis=1)
     return pixels, pixels_per_ray @ ray_per_point, per_lens
 

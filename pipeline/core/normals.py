@@ -29,6 +29,24 @@ class Chunk:
     images: tuple[tuple[Indices, Indices], ...]
 
 
+@dataclass(frozen=True, kw_only=True)
+class PointEquations:
+    """Pseudo-observations of the points, one each, with unknowns of their own that all points share.
+
+    Attributes:
+        residuals: (M,) observed minus computed, weighted.
+        points: (M, 3) derivative of the computed by the point, weighted.
+        shared: (M, S) derivative by the shared unknowns, weighted.
+        information: (S, S) of the shared unknowns themselves; right: (S,) its right-hand side.
+    """
+
+    residuals: Array
+    points: Array
+    shared: Array
+    information: Array
+    right: Array
+
+
 @dataclass(frozen=True)
 class _Eliminated:
     """One chunk's part of the normal equations: (u,) unknowns, (u, 3m) cross terms, (m, 3, 3), (m, 3)."""
@@ -109,6 +127,31 @@ def assemble(
             _Eliminated(chunk, unknowns, cross.reshape(len(unknowns), 3 * count), blocks, point_right)
         )
     return Normals(matrix, right, np.flatnonzero(~held), tuple(parts))
+
+
+def with_point_equations(normals: Normals, said: PointEquations) -> Normals:
+    """The normal equations with pseudo-observations of the points; the shared unknowns come last."""
+    own, more = len(normals.right), len(said.right)
+    shared = np.arange(own, own + more)
+    matrix = np.zeros((own + more, own + more))
+    matrix[:own, :own] = normals.matrix
+    matrix[own:, own:] = said.information + said.shared.T @ said.shared
+    right = np.concatenate([normals.right, said.right + said.shared.T @ said.residuals])
+    parts = []
+    for part in normals.parts:
+        rows = slice(part.chunk.first, part.chunk.last)
+        by_point = said.points[rows]
+        mixed = (said.shared[rows].T[:, :, None] * by_point).reshape(more, -1)
+        parts.append(
+            _Eliminated(
+                part.chunk,
+                np.concatenate([part.unknowns, shared]),
+                np.concatenate([part.cross, mixed]),
+                part.blocks + by_point[:, :, None] * by_point[:, None, :],
+                part.right + by_point * said.residuals[rows, None],
+            )
+        )
+    return Normals(matrix, right, np.concatenate([normals.active, shared]), tuple(parts))
 
 
 def solve(normals: Normals, damping: float) -> tuple[Array, Array]:

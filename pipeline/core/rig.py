@@ -30,8 +30,8 @@ class Rig:
         body_centres: (F, 3) origin of the body in the cable frame, metres.
         mount_rotations: (C, 3, 3) cam_from_body, one a camera.
         mount_centres: (C, 3) projection centre in the body frame, metres.
-        lenses: (C, 4) focal length, principal point x, y in pixels, and the division coefficient k of
-            focal-normalised coordinates.
+        lenses: (C, 4) focal length, principal point x, y in pixels, and the bend q
+            (:func:`pipeline.core.division.unknowns`).
         points: (M, 3) tie points in the cable frame, metres.
     """
 
@@ -76,7 +76,8 @@ class Observations:
     Attributes:
         frame, camera, point: (N,) int64 indices into the rig.
         pixels: (N, 2) as the camera measured them, lens distortion included.
-        looseness: (N,) standard deviation of each, in units of the adjustment's own; None: all alike.
+        looseness: (N,) standard deviation of each, in units of the adjustment's own; (N, 2) where it is not
+            the same along the rows and the columns; None: all alike.
     """
 
     frame: NDArray[np.int64]
@@ -153,7 +154,7 @@ def linearise(rig: Rig, observations: Observations) -> Linearisation:
     columns = np.concatenate([s[:, None] + np.arange(n) for s, n in zip(starts, sizes, strict=True)], axis=1)
     residuals = observations.pixels - pixels
     if observations.looseness is not None:
-        share = 1 / observations.looseness[:, None]
+        share = 1 / observations.looseness.reshape(len(observations), -1)
         residuals = residuals * share
         orientation, by_point = orientation * share[..., None], by_point * share[..., None]
     return Linearisation(residuals=residuals, orientation=orientation, columns=columns, points=by_point)

@@ -88,10 +88,12 @@ class FrameSequence:
     Attributes:
         block: name of the block.
         files: one image file a frame, as it came from the camera (lens distortion included).
-        source_indices: (n,) int64, number of each frame in its source, strictly increasing.
-        source_count: number of frames in the source; frame i was taken at the fraction
-            i / (source_count - 1) of the travel.
+        source_indices: (n,) int64, number of each frame in its source; strictly increasing where the source
+            is in the order of travel.
+        source_count: number of frames in the source.
         width_px, height_px: image size.
+        fractions: (n,) where along the travel each frame was taken, from 0 to 1, found from the pictures of
+            an unordered source; None where frame i of the source was taken at i / (source_count - 1).
     """
 
     block: str
@@ -100,9 +102,19 @@ class FrameSequence:
     source_count: int
     width_px: int
     height_px: int
+    fractions: Array | None = None
 
     def __len__(self) -> int:
         return len(self.files)
+
+    def places_m(self, travel_m: float) -> Array:
+        """Predicted place of each frame along the cable, (n,) metres.
+
+        At constant speed (paper, section 3.1) where nothing better is known.
+        """
+        if self.fractions is not None:
+            return travel_m * self.fractions
+        return travel_m * self.source_indices / max(self.source_count - 1, 1)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""A finished run against the truth: diameters, cameras, lenses, surface, axis.
+"""A finished run against the truth: diameters, cameras, lenses, surface, axis, relief.
 
 Takes a run folder and a truth.json (of the synthesizer, or one with the stations alone that a person
 measured); gives an :class:`Evaluation`, a table for the screen and a JSON file.  Reads only what the run
@@ -9,11 +9,13 @@ from pathlib import Path
 
 from pipeline.core.errors import StageError
 from pipeline.core.files import write_json
+from pipeline.evaluate.axis import compare_axis
 from pipeline.evaluate.cameras import compare_cameras
 from pipeline.evaluate.diameters import compare_diameters
 from pipeline.evaluate.documents import read_document
 from pipeline.evaluate.lenses import compare_lenses
 from pipeline.evaluate.records import Evaluation
+from pipeline.evaluate.relief import compare_relief
 from pipeline.evaluate.surface import compare_surface
 from pipeline.evaluate.table import format_table
 
@@ -21,7 +23,7 @@ __all__ = ["Evaluation", "evaluate", "format_table", "write_evaluation"]
 
 
 def evaluate(run_folder: Path, truth_json: Path) -> Evaluation:
-    """Evaluate a finished run; parts that the truth does not hold stay None.
+    """Evaluate a finished run; parts that truth or run does not hold stay None.
 
     Raises:
         StageError: a file is missing, or run and truth do not belong together.
@@ -35,7 +37,9 @@ def evaluate(run_folder: Path, truth_json: Path) -> Evaluation:
         diameters=compare_diameters(report, truth),
         cameras=compare_cameras(run_folder, report, truth) if "poses" in truth else None,
         lenses=compare_lenses(report, truth) if "lenses" in truth else None,
-        surface=compare_surface(run_folder, truth) if "radius_mm" in truth else None,
+        surface=compare_surface(run_folder, report, truth) if "radius_mm" in truth else None,
+        axis=compare_axis(report, truth) if "axis" in truth else None,
+        relief=compare_relief(report, truth),
         straightness_mm_per_m=axis.number_or_nan("straightness_mm_per_m") if axis else float("nan"),
     )
 

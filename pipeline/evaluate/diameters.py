@@ -1,4 +1,4 @@
-"""Diameters at the stations against truth, as in the paper's Table 2."""
+"""Diameters at the stations against truth, as in the paper's Table 2, and those of the bare sheath."""
 
 import math
 
@@ -20,7 +20,12 @@ def compare_diameters(report: Document, truth: Document) -> DiameterErrors:
     if not rows:
         raise truth.error("stations is empty")
     sizes = [abs(row.difference_mm) for row in rows]
-    return DiameterErrors(stations=rows, mean_absolute_mm=sum(sizes) / len(sizes), largest_mm=max(sizes))
+    return DiameterErrors(
+        stations=rows,
+        mean_absolute_mm=sum(sizes) / len(sizes),
+        largest_mm=max(sizes),
+        base_mean_absolute_mm=sum(abs(row.base_difference_mm) for row in rows) / len(rows),
+    )
 
 
 def _station(found: dict[str, Document], true: Document, report: Document) -> StationError:
@@ -34,6 +39,7 @@ def _station(found: dict[str, Document], true: Document, report: Document) -> St
         )
     truth_mm, sigma_mm = true.number("diameter_mm"), found[name].number_or_nan("sigma_mm")
     difference_mm = model_mm - truth_mm
+    base_mm, true_base_mm = (place.number_or_nan("base_diameter_mm") for place in (found[name], true))
     return StationError(
         name=name,
         position_m=position_m,
@@ -43,4 +49,8 @@ def _station(found: dict[str, Document], true: Document, report: Document) -> St
         relative_percent=100 * abs(difference_mm) / truth_mm,
         sigma_mm=sigma_mm,
         z=abs(difference_mm) / sigma_mm if sigma_mm > 0 else math.nan,
+        base_model_mm=base_mm,
+        base_truth_mm=true_base_mm,
+        base_difference_mm=base_mm - true_base_mm,
+        base_sigma_mm=found[name].number_or_nan("base_sigma_mm"),
     )

@@ -1,31 +1,49 @@
-"""The map of radii against the true one: bias, noise, coverage, and how straight the measured axis is.
+"""The map of radii against the true one: bias, noise, coverage, and whether what is told as seen is right.
 
 Takes RUN/radius_map.npz (theta_deg (m,), position_m (n,), radius_mm (n, m), NaN where unknown) and the
 truth's ``radius_mm``; gives the figures.  Azimuths are those of the cable frame, right-hand rule about +y.
+
+The truth's radii are about the true, perhaps bowed, axis; the run's about the y axis of its own frame.  So
+every cell of the run is taken as a point, and the true axis is sought in the run's frame as the smooth curve
+about which the run's surface differs from the truth by no first harmonic (an eccentricity) anywhere along
+the cable; radius and azimuth of the point about this curve are what is compared.  How well the run itself
+found the axis is told apart, in :mod:`pipeline.evaluate.axis`.
 """
 
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from scipy.interpolate import RegularGridInterpolator
+from numpy.typing import NDArray
+from scipy.interpolate import RectBivariateSpline
 
 from pipeline.core.errors import StageError
 from pipeline.core.vocabulary import Array
 from pipeline.evaluate.documents import Document
-from pipeline.evaluate.records import SurfaceErrors
+from pipeline.evaluate.records import StationCoverage, SurfaceErrors
 
 MOST_CELLS = 200_000
-"""Cells that the low orders are fitted to: more say nothing more."""
+"""Cells that axis and low orders are fitted to: more say nothing more."""
 
 AZIMUTH_ORDER, POSITION_ORDER = 4, 3
 """Low orders: harmonics around the cable and powers along it, four strips' worth of each."""
 
-BANDS = 12
-"""Rings along the cable in which the axis is measured."""
+AXIS_ORDER, AXIS_ROUNDS = 4, 5
+"""Powers along the cable that the true axis is sought with, and how often that is refined."""
+
+LEAST_OCTANTS = 6
+"""A surface seen over less of the girth does not say where its axis is: it is compared as it stands."""
+
+WRONG_MM = 0.5
+"""A radius farther off than this was not seen, whatever the run says."""
+
+STATION_MM, BIN_DEG = 10.0, 1.0
+"""Length of cable and width of the bins by which the coverage of a station is judged."""
 
 NORMAL_PER_MAD = 1.4826
+
+SPARE = 4
+"""Columns repeated on either side of the truth's turn, so that a spline is smooth across its seam."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,33 +55,35 @@ class RadiusMap:
     radius_mm: Array
 
 
-def compare_surface(run_folder: Path, truth: Document) -> SurfaceErrors:
+def compare_surface(run_folder: Path, report: Document, truth: Document) -> SurfaceErrors:
     """Compare the run's map of radii with the truth, cell by cell, where the truth has a value.
 
     Raises:
         StageError: the map is missing, is no such map, or shares no place with the truth.
     """
     found = _read_map(run_folder / "radius_map.npz")
-    radius = truth.inside("radius_mm")
-    theta_deg, position_m = radius.array("theta_deg", -1), radius.array("position_m", -1)
-    values = radius.array("values", len(position_m), len(theta_deg))
-    true = _interpolated(RadiusMap(theta_deg=theta_deg, position_m=position_m, radius_mm=values), found)
-    difference = found.radius_mm - true
-    known = np.isfinite(difference)
+    true = _read_truth(truth)
+    covered = (found.position_m >= true.position_m[0]) & (found.position_m <= true.position_m[-1])
+    found = RadiusMap(
+        theta_deg=found.theta_deg, position_m=found.position_m[covered], radius_mm=found.radius_mm[covered]
+    )
+    known = np.isfinite(found.radius_mm)
     if not known.any():
         raise StageError(
             "evaluate",
             f"{run_folder / 'radius_map.npz'} shares no place with the truth",
             "give the truth of this survey",
         )
-    theta, position, values = _scattered(found, difference, known)
+    difference = _differences(found, true, known)
+    sizes = np.abs(difference[known])
     return SurfaceErrors(
         cells=int(known.sum()),
-        coverage_percent=float(100 * known.sum() / np.isfinite(true).sum()),
+        coverage_percent=float(100 * known.mean()),
         bias_mm=float(np.median(difference[known])),
-        noise_mm=_noise(theta, position, values),
-        within_95_mm=float(np.percentile(np.abs(difference[known]), 95)),
-        bow_mm=_bow(theta, position, values),
+        noise_mm=_noise(*_scattered(found, known), difference[known][:: _step(known)]),
+        within_95_mm=float(np.percentile(sizes, 95)),
+        wrong_percent=float(100 * np.mean(sizes > WRONG_MM)),
+        stations=tuple(_coverage(s, found, difference) for s in report.items("stations")),
     )
 
 
@@ -84,27 +104,96 @@ def _read_map(path: Path) -> RadiusMap:
     return RadiusMap(theta_deg=theta, position_m=position, radius_mm=radius)
 
 
-def _interpolated(true: RadiusMap, places: RadiusMap) -> Array:
-    """True radii at the cells of another map, bilinear and closed around the cable; NaN beyond the ends."""
-    order = np.argsort(true.theta_deg % 360)
-    theta = true.theta_deg[order] % 360
-    values = true.radius_mm[:, order]
-    # one column more on each side closes the ring
-    theta = np.concatenate([theta[-1:] - 360, theta, theta[:1] + 360])
-    values = np.hstack([values[:, -1:], values, values[:, :1]])
-    at = RegularGridInterpolator((true.position_m, theta), values, bounds_error=False, fill_value=np.nan)
-    position, azimuth = np.meshgrid(places.position_m, places.theta_deg % 360, indexing="ij")
-    return np.asarray(at((position, azimuth)), dtype=np.float64)
+def _read_truth(truth: Document) -> RadiusMap:
+    """The true map, its azimuths from 0 to 360 and some more on either side, which closes the ring."""
+    radius = truth.inside("radius_mm")
+    theta, position = radius.array("theta_deg", -1), radius.array("position_m", -1)
+    values = radius.array("values", len(position), len(theta))
+    if not np.isfinite(values).all() or len(theta) <= 2 * SPARE or len(position) <= SPARE:
+        raise radius.error("radius_mm has gaps or hardly any values")
+    order = np.argsort(theta % 360)
+    theta, values = theta[order] % 360, values[:, order]
+    return RadiusMap(
+        theta_deg=np.concatenate([theta[-SPARE:] - 360, theta, theta[:SPARE] + 360]),
+        position_m=position,
+        radius_mm=np.hstack([values[:, -SPARE:], values, values[:, :SPARE]]),
+    )
 
 
-def _scattered(places: RadiusMap, difference: Array, known: Array) -> tuple[Array, Array, Array]:
-    """Azimuth in radians, position from -1 to 1 over the map, difference: (k,) each, every so many cells."""
+def _differences(found: RadiusMap, true: RadiusMap, known: NDArray[np.bool_]) -> Array:
+    """Radius of every cell about the true axis less the true radius there (n, m), NaN where unknown."""
+    # a rib is as wide as a few cells of the truth: straight lines between them would cut its crest
+    at = RectBivariateSpline(true.position_m, true.theta_deg, true.radius_mm, kx=3, ky=3)
+    theta, scaled = _scattered(found, known, step=1)
+    radius, position = found.radius_mm[known], np.repeat(found.position_m, known.sum(axis=1))
+    powers = np.asarray(np.polynomial.legendre.legvander(scaled, AXIS_ORDER), dtype=np.float64)
+    axis = np.zeros((AXIS_ORDER + 1, 2))
+
+    def difference(some: slice) -> tuple[Array, Array]:
+        offset = powers[some] @ axis
+        x = radius[some] * np.cos(theta[some]) - offset[:, 0]
+        z = -radius[some] * np.sin(theta[some]) - offset[:, 1]
+        azimuth = np.arctan2(-z, x)
+        true_mm = at.ev(position[some], np.degrees(azimuth) % 360)
+        return np.asarray(np.hypot(x, z) - true_mm, dtype=np.float64), np.asarray(azimuth, dtype=np.float64)
+
+    if len(np.unique(np.floor(theta % (2 * np.pi) / (np.pi / 4)))) >= LEAST_OCTANTS:
+        some = slice(None, None, _step(known))
+        for _ in range(AXIS_ROUNDS):
+            axis += _eccentricity(*difference(some), powers[some])
+    everywhere = np.full(found.radius_mm.shape, np.nan)
+    everywhere[known] = difference(slice(None))[0]
+    return everywhere
+
+
+def _eccentricity(difference: Array, azimuth: Array, powers: Array) -> Array:
+    """First harmonic of the differences along the cable, as powers of x and z (k, 2).
+
+    The mean is fitted beside it, or a gap in the ring would turn a bias into an eccentricity; what stands
+    out is left out, or a few wild cells would pull the axis.
+    """
+    middle = np.median(difference)
+    keep = np.abs(difference - middle) <= 6 * max(_robust_sigma(difference), 1e-12)
+    waves = (np.ones_like(azimuth), np.cos(azimuth), -np.sin(azimuth))
+    design = np.hstack([wave[:, None] * powers for wave in waves])
+    solution, *_ = np.linalg.lstsq(design[keep], difference[keep], rcond=1e-9)
+    return np.asarray(solution.reshape(3, -1)[1:].T, dtype=np.float64)
+
+
+def _coverage(station: Document, found: RadiusMap, difference: Array) -> StationCoverage:
+    """The arc in whose bins the middle radius around the station is right."""
+    near = np.abs(found.position_m - station.number("position_m")) <= STATION_MM / 2000
+    bins = np.floor(found.theta_deg % 360 / BIN_DEG).astype(int)
+    values, column = difference[near], np.broadcast_to(bins, (int(near.sum()), len(bins)))
+    known = np.isfinite(values)
+    # the middle of a bin: a few wild cells do not make a wrong one
+    right = [
+        abs(float(np.median(values[known & (column == one)]))) <= WRONG_MM
+        for one in np.unique(column[known]).tolist()
+    ]
+    # a coarse map has no cell in some bins: it speaks for as much as its columns are wide
+    right_deg = sum(right) * 360.0 / len(np.unique(bins))
+    told_deg = station.number_or_nan("coverage_deg")
+    return StationCoverage(
+        name=station.text("name"),
+        told_deg=told_deg,
+        right_deg=right_deg,
+        overclaimed_deg=max(told_deg - right_deg, 0.0) if np.isfinite(told_deg) else float("nan"),
+    )
+
+
+def _step(known: NDArray[np.bool_]) -> int:
+    """Every so many known cells are MOST_CELLS at most."""
+    return 1 + int(known.sum()) // MOST_CELLS
+
+
+def _scattered(places: RadiusMap, known: NDArray[np.bool_], step: int = 0) -> tuple[Array, Array]:
+    """Azimuth in radians and position from -1 to 1 over the map of every so many known cells, (k,) each."""
     position, theta = np.meshgrid(places.position_m, np.radians(places.theta_deg), indexing="ij")
-    cells = np.flatnonzero(known)
-    cells = cells[:: 1 + len(cells) // MOST_CELLS]
     first, last = places.position_m[0], places.position_m[-1]
     scaled = 2 * (position - first) / max(last - first, 1e-12) - 1
-    return theta.ravel()[cells], scaled.ravel()[cells], difference.ravel()[cells]
+    every = slice(None, None, step or _step(known))
+    return theta[known][every], scaled[known][every]
 
 
 def _noise(theta: Array, position: Array, values: Array) -> float:
@@ -121,27 +210,6 @@ def _noise(theta: Array, position: Array, values: Array) -> float:
         residual = values - design @ solution
         keep = np.abs(residual) <= 4 * max(_robust_sigma(residual), 1e-12)
     return _robust_sigma(residual)
-
-
-def _bow(theta: Array, position: Array, values: Array) -> float:
-    """Largest distance from its own straight line of the axis that the differences imply, mm."""
-    offsets, middles = [], []
-    edges = np.linspace(-1, 1, BANDS + 1)
-    for low, high in pairwise(edges):
-        inside = (position >= low) & (position <= high)
-        if len(np.unique(np.floor(theta[inside] % (2 * np.pi) / (np.pi / 4)))) < 8:
-            continue  # the centre of an arc is not the axis
-        t, v = theta[inside], values[inside]
-        design = np.stack([np.ones_like(t), np.cos(t), -np.sin(t)], axis=1)
-        middle = np.median(v)
-        near = np.abs(v - middle) <= 6 * max(_robust_sigma(v), 1e-12)
-        offsets.append(np.linalg.lstsq(design[near], v[near], rcond=None)[0][1:])
-        middles.append(float(np.mean(position[inside])))
-    if len(offsets) < 3:
-        return float("nan")
-    line = np.polynomial.polynomial.polyfit(middles, np.array(offsets), 1)
-    straight = np.polynomial.polynomial.polyval(np.array(middles), line).T
-    return float(np.max(np.linalg.norm(np.array(offsets) - straight, axis=1)))
 
 
 def _robust_sigma(values: Array) -> float:

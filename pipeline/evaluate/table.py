@@ -1,9 +1,17 @@
-"""An evaluation as text for the screen: the paper's Table 2, then cameras, lenses and surface."""
+"""An evaluation as text for the screen: the paper's Table 2, then cameras, lenses, surface, relief, axis."""
 
 import math
 from collections.abc import Iterator, Sequence
 
-from pipeline.evaluate.records import CameraComparison, Evaluation, LensErrors, SurfaceErrors
+from pipeline.evaluate.records import (
+    AxisErrors,
+    CameraComparison,
+    DiameterErrors,
+    Evaluation,
+    LensErrors,
+    ReliefErrors,
+    SurfaceErrors,
+)
 
 PAPER_MAE_MM = 1.0053
 """Mean absolute error of the paper's Table 2."""
@@ -18,7 +26,10 @@ def format_table(evaluation: Evaluation) -> str:
         parts.append(_lenses(evaluation.lenses))
     if evaluation.surface is not None:
         parts.append(_surface(evaluation.surface))
-    parts.append([f"Axis: straight within {_number(evaluation.straightness_mm_per_m, 3)} mm per metre"])
+    if evaluation.relief is not None:
+        parts.append(_relief(evaluation.relief))
+    axis = [f"Axis: straight within {_number(evaluation.straightness_mm_per_m, 3)} mm per metre"]
+    parts.append(axis if evaluation.axis is None else [*axis, _axis(evaluation.axis)])
     return "\n\n".join("\n".join(lines) for lines in parts) + "\n"
 
 
@@ -43,7 +54,26 @@ def _diameters(evaluation: Evaluation) -> list[str]:
         *_aligned(head, rows),
         f"MAE {found.mean_absolute_mm:.4f} mm, largest {found.largest_mm:.3f} mm "
         f"(the paper's MAE: {PAPER_MAE_MM} mm)",
+        *_bases(found),
     ]
+
+
+def _bases(found: DiameterErrors) -> list[str]:
+    """The bare sheath, where run and truth tell it."""
+    rows = [
+        [
+            row.name,
+            _number(row.base_model_mm, 3),
+            _number(row.base_truth_mm, 3),
+            _number(row.base_difference_mm, 3, sign=True),
+            _number(row.base_sigma_mm, 3),
+        ]
+        for row in found.stations
+    ]
+    if math.isnan(found.base_mean_absolute_mm):
+        return []
+    head = ["bare sheath", "model mm", "truth mm", "diff mm", "sigma mm"]
+    return [*_aligned(head, rows), f"MAE of the bare sheath {found.base_mean_absolute_mm:.4f} mm"]
 
 
 def _cameras(found: CameraComparison) -> list[str]:
@@ -84,11 +114,43 @@ def _lenses(found: Sequence[LensErrors]) -> list[str]:
 
 
 def _surface(found: SurfaceErrors) -> list[str]:
+    rows = [
+        [row.name, *(_number(value, 1) for value in (row.told_deg, row.right_deg, row.overclaimed_deg))]
+        for row in found.stations
+    ]
     return [
         f"Surface: {found.cells} cells, {found.coverage_percent:.1f} % covered, "
         f"bias {_number(found.bias_mm, 3, sign=True)} mm, noise {_number(found.noise_mm, 3)} mm, "
-        f"95 % within {_number(found.within_95_mm, 3)} mm, axis bow {_number(found.bow_mm, 3)} mm"
+        f"95 % within {_number(found.within_95_mm, 3)} mm, {found.wrong_percent:.2f} % wrong",
+        *_aligned(["station", "told deg", "right deg", "overclaimed deg"], rows),
     ]
+
+
+def _axis(found: AxisErrors) -> str:
+    return (
+        f"Axis over {found.length_m:.3f} m: bow {_number(found.bow_mm, 3)} mm, in truth "
+        f"{_number(found.true_bow_mm, 3)} mm, diff {_number(found.bow_difference_mm, 3, sign=True)} mm, "
+        f"course within {_number(found.rms_mm, 3)} mm (rms)"
+    )
+
+
+def _relief(found: ReliefErrors) -> list[str]:
+    rows = [
+        [
+            row.kind,
+            _number(row.position_m, 3),
+            _number(row.azimuth_deg, 1),
+            _number(row.found_mm, 3),
+            _number(row.truth_mm, 3),
+            _number(row.difference_mm, 3, sign=True),
+            _number(row.sigma_mm, 3),
+            _number(row.away_mm, 1),
+        ]
+        for row in found.entries
+    ]
+    head = ["relief", "at m", "azimuth deg", "found mm", "truth mm", "diff mm", "sigma mm", "away mm"]
+    count = f"missed {found.missed}, false {found.false}, ribs {found.ridges_found} of {found.ridges_true}"
+    return [*_aligned(head, rows), count]
 
 
 def _number(value: float, digits: int, *, sign: bool = False) -> str:

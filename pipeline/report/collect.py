@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 from pipeline.cable.lens_pictures import before_after_picture, distortion_grid_picture
 from pipeline.cable.measure import Section
 from pipeline.cable.records import BlockRun, CableRun
+from pipeline.cable.relief import Relief
 from pipeline.core.fits.cylinder import Cylinder, fit_cylinder
 from pipeline.core.vocabulary import Array
 from pipeline.report.model import ring_mesh
+from pipeline.report.relief_records import ReliefFeature, ReliefSummary
 from pipeline.report.types import (
     AxisSummary,
     BlockSummary,
@@ -25,6 +27,8 @@ from pipeline.report.types import (
     MosaicSummary,
     ReportData,
     StationResult,
+    SurfacePriorStation,
+    SurfacePriorSummary,
     TruthStation,
     UnrolledPicture,
 )
@@ -57,6 +61,8 @@ def collect(
         ),
         axis=_axis(run),
         mosaic=_mosaic(run),
+        relief=_relief(measurement.relief),
+        surface_prior=_surface_prior(run),
         mesh=ring_mesh(ring),
         timing_s=timing_s,
         peak_memory_mb=peak_memory_mb,
@@ -99,6 +105,8 @@ def _station(section: Section) -> StationResult:
         section_mm=section.points_mm,
         circle_centre_mm=(float(section.centre_mm[0]), float(section.centre_mm[1])),
         circle_radius_mm=section.diameter_mm / 2,
+        base_diameter_mm=section.base_diameter_mm,
+        base_sigma_mm=section.base_sigma_mm,
     )
 
 
@@ -156,14 +164,19 @@ def _unrolled(
     colour: NDArray[np.uint8], texel_mm: float, azimuth: Array, y_m: Array, name: str = ""
 ) -> UnrolledPicture:
     """The picture with the places of its edges, half a texel beyond the centres of the outermost texels."""
-    turn, rise = (azimuth[1] - azimuth[0]) / 2, (y_m[1] - y_m[0]) / 2
     return UnrolledPicture(
         image=_rgb(colour),
         mm_per_px=texel_mm,
-        theta_range_deg=(float(np.rad2deg(azimuth[0] - turn)), float(np.rad2deg(azimuth[-1] + turn))),
-        y_range_m=(float(y_m[0] - rise), float(y_m[-1] + rise)),
+        theta_range_deg=_edges(np.rad2deg(azimuth)),
+        y_range_m=_edges(y_m),
         name=name,
     )
+
+
+def _edges(centres: Array) -> tuple[float, float]:
+    """Outer edges of evenly spaced cells."""
+    half = (centres[1] - centres[0]) / 2
+    return float(centres[0] - half), float(centres[-1] + half)
 
 
 def _axis(run: CableRun) -> AxisSummary:
@@ -171,11 +184,16 @@ def _axis(run: CableRun) -> AxisSummary:
     good = np.isfinite(measurement.profile_centre_mm[:, 0])
     y_m, centres = measurement.profile_y_m[good], measurement.profile_centre_mm[good]
     if len(y_m) < 2:
-        return AxisSummary(straightness_mm_per_m=float("nan"), position_m=y_m, bow_mm=centres)
+        return AxisSummary(
+            straightness_mm_per_m=float("nan"), position_m=y_m, bow_mm=0 * centres, centre_mm=centres
+        )
     part = ((y_m - y_m[0]) / (y_m[-1] - y_m[0]))[:, None]
     chord = centres[0] * (1 - part) + centres[-1] * part
     return AxisSummary(
-        straightness_mm_per_m=measurement.straightness_mm_per_m, position_m=y_m, bow_mm=centres - chord
+        straightness_mm_per_m=measurement.straightness_mm_per_m,
+        position_m=y_m,
+        bow_mm=centres - chord,
+        centre_mm=centres,
     )
 
 
@@ -195,6 +213,34 @@ def _mosaic(run: CableRun) -> MosaicSummary:
         scale_corrections={n: float(s) for n, s in zip(names, run.mosaic.placement.scales, strict=True)},
         tie_points=sum(j.pairs for j in joins) if run.together is None else run.together.shared_marks,
         shared_residual_px=float("nan") if run.together is None else run.together.shared_residual_px,
+    )
+
+
+def _surface_prior(run: CableRun) -> SurfacePriorSummary | None:
+    effect = run.together.surface_effect if run.together is not None else None
+    if effect is None:
+        return None
+    columns = (effect.without_mm, effect.with_mm, effect.without_sigma_mm, effect.with_sigma_mm)
+    stations = tuple(
+        SurfacePriorStation(
+            name=name,
+            without_mm=float(without),
+            with_mm=float(tied),
+            without_sigma_mm=float(without_sigma),
+            with_sigma_mm=float(tied_sigma),
+        )
+        for name, without, tied, without_sigma, tied_sigma in zip(effect.names, *columns, strict=True)
+    )
+    return SurfacePriorSummary(sigma_mm=effect.sigma_mm, used=effect.used, stations=stations)
+
+
+def _relief(relief: Relief) -> ReliefSummary:
+    return ReliefSummary(
+        features=tuple(ReliefFeature(**vars(f) | {"kind": f.kind.value}) for f in relief.features),
+        height_mm=relief.height_mm.astype(np.float64),
+        theta_range_deg=_edges(np.rad2deg(relief.azimuth)),
+        y_range_m=_edges(relief.y_m),
+        level_mm=relief.level_mm,
     )
 
 

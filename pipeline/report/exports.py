@@ -13,6 +13,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
@@ -21,6 +22,7 @@ from pipeline.report.glb import glb_bytes
 from pipeline.report.metrics import compare_with_truth, mean, mean_absolute_error_mm
 from pipeline.report.ply import cloud_ply_bytes, mesh_ply_bytes
 from pipeline.report.types import (
+    AxisSummary,
     Cloud,
     LensEffect,
     Mesh,
@@ -30,7 +32,17 @@ from pipeline.report.types import (
     UnrolledPicture,
 )
 
-STATION_FIELDS = ("name", "position_m", "diameter_mm", "sigma_mm", "min_mm", "max_mm", "coverage_deg")
+STATION_FIELDS = (
+    "name",
+    "position_m",
+    "diameter_mm",
+    "sigma_mm",
+    "min_mm",
+    "max_mm",
+    "coverage_deg",
+    "base_diameter_mm",
+    "base_sigma_mm",
+)
 FORMAT = 1
 
 
@@ -94,7 +106,8 @@ def _report_tree(data: ReportData) -> dict[str, Any]:
         "mean_diameter_mm": mean([station.diameter_mm for station in data.stations]),
         "stations": [{key: getattr(station, key) for key in STATION_FIELDS} for station in data.stations],
         "blocks": [asdict(block) for block in data.blocks],
-        "axis": {"straightness_mm_per_m": data.axis.straightness_mm_per_m if data.axis else None},
+        "axis": _axis_tree(data.axis),
+        "relief": [asdict(feature) for feature in data.relief.features] if data.relief else [],
         "lens_effect": [_lens_effect_tree(effect) for effect in data.lens_effects],
         "timing_s": dict(data.timing_s),
         "peak_memory_mb": data.peak_memory_mb,
@@ -107,7 +120,21 @@ def _report_tree(data: ReportData) -> dict[str, Any]:
         tree["unrolled"] = _unrolled_tree(data.unrolled)
     if data.mosaic is not None:
         tree["mosaic"] = asdict(data.mosaic)
+    tree["surface_prior"] = asdict(data.surface_prior) if data.surface_prior else None
     return tree
+
+
+def _axis_tree(axis: AxisSummary | None) -> dict[str, Any]:
+    if axis is None or not len(axis.position_m):
+        return {"straightness_mm_per_m": None, "bow_mm": None, "profile": []}
+    return {
+        "straightness_mm_per_m": axis.straightness_mm_per_m,
+        "bow_mm": float(np.hypot(axis.bow_mm[:, 0], axis.bow_mm[:, 1]).max()),
+        "profile": [
+            {"position_m": y_m, "x_mm": x_mm, "z_mm": z_mm}
+            for y_m, (x_mm, z_mm) in zip(axis.position_m, axis.centre_mm, strict=True)
+        ],
+    }
 
 
 def _lens_effect_tree(effect: LensEffect) -> dict[str, Any]:

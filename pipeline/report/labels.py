@@ -63,6 +63,7 @@ TEXTS: dict[str, tuple[str, str]] = {
     "unrolled": ("Unrolled surface", "表面展开图"),
     "model": ("Three-dimensional model", "三维模型"),
     "sections": ("Cross sections", "横截面"),
+    "relief": ("Relief: what stands proud or is dented", "表面起伏：凸起与凹陷"),
     "mosaic": ("Mosaicking", "模型拼接"),
     "resources": ("Time and memory", "时间与内存"),
     "files": ("Files of this run", "成果文件"),
@@ -85,6 +86,7 @@ TEXTS: dict[str, tuple[str, str]] = {
     "min_mm": ("Smallest (mm)", "最小 (mm)"),
     "max_mm": ("Largest (mm)", "最大 (mm)"),
     "coverage_deg": ("Coverage (°)", "覆盖角 (°)"),
+    "base_diameter_mm": ("Base (mm)", "基面直径 (mm)"),
     "truth_mm": ("Truth (mm)", "真值 (mm)"),
     "difference_mm": ("Difference (mm)", "差值 (mm)"),
     "relative_percent": ("Relative error (%)", "相对误差 (%)"),
@@ -109,6 +111,26 @@ TEXTS: dict[str, tuple[str, str]] = {
         "Distance of the cable's axis from its chord; straightness {value} mm per metre.",
         "缆索轴线偏离弦线的距离；直线度 {value} mm/m。",
     ),
+    # Surface prior
+    "surface_prior_caption": (
+        "Diameters without and with the weak prior that the surface is locally smooth, from which it may "
+        "depart by {sigma} mm: circles through the tie points alone.",
+        "不使用与使用弱表面先验（局部光滑，允许偏离 {sigma} mm）的直径对比：仅由连接点拟合圆。",
+    ),
+    "surface_prior_unused": (
+        "The other figures of this report stand on the adjustment without the prior. σ is that of cameras "
+        "and lenses.",
+        "本报告其余结果均基于不使用先验的平差。σ 仅含相机位姿与镜头的影响。",
+    ),
+    "surface_prior_used": (
+        "The other figures of this report stand on the adjustment with the prior, as asked for. σ is that of "
+        "cameras and lenses.",
+        "按设置，本报告其余结果基于使用先验的平差。σ 仅含相机位姿与镜头的影响。",
+    ),
+    "prior_without_mm": ("Without (mm)", "不用先验 (mm)"),
+    "prior_with_mm": ("With (mm)", "使用先验 (mm)"),
+    "prior_without_sigma_mm": ("σ without (mm)", "不用先验 σ (mm)"),
+    "prior_with_sigma_mm": ("σ with (mm)", "使用先验 σ (mm)"),
     # Table 1
     "triangulation_caption": ("Table 1. Result of the aerial triangulation.", "表 1. 空中三角测量结果。"),
     "property": ("Property", "属性"),
@@ -239,6 +261,45 @@ TEXTS: dict[str, tuple[str, str]] = {
         "{shown} of {total} stations are shown.",
         "共 {total} 个测点，显示其中 {shown} 个。",
     ),
+    # Relief
+    "relief_caption": (
+        "What stands out of the base surface, the sheath without it. Height is over the base, of a dent "
+        "below it; σ is one standard deviation.",
+        "相对基面（去除起伏后的护套表面）的各处起伏。高度相对基面量取，凹陷为低于基面的深度；"
+        "σ 为一倍标准差。",
+    ),
+    "relief_note": (
+        "Length is along the cable, width around it, of a ridge across it. A ridge is named where it passes "
+        "the middle of the travel; its pitch is positive where the azimuth grows along the cable.",
+        "长度沿缆索，宽度沿环向；肋条的宽度垂直于肋条量取，位置取行程中点处的脊线点；"
+        "方位角沿行进方向增大时螺距为正。",
+    ),
+    "relief_none": (
+        "Nothing stands out of the base surface by more than {level} mm over an area that can be told from "
+        "the noise.",
+        "未发现高出或低于基面 {level} mm 以上且可与噪声区分的起伏。",
+    ),
+    "relief_unknown": (
+        "Too little of the surface was seen to tell what stands out of it.",
+        "可见表面过少，无法判断起伏。",
+    ),
+    "relief_map_caption": (
+        "Height of the surface over the base, unrolled, seen from outside; the numbers are those of the "
+        "table. White: not measured.",
+        "展开表面相对基面的高度（自外侧看），编号与表中一致；白色为未测区域。",
+    ),
+    "relief_number": ("No.", "编号"),
+    "relief_kind": ("Kind", "类型"),
+    "relief_bulge": ("bulge", "凸起"),
+    "relief_dent": ("dent", "凹陷"),
+    "relief_ridge": ("ridge", "肋条"),
+    "relief_height_mm": ("Height (mm)", "高度 (mm)"),
+    "relief_azimuth_deg": ("Azimuth (°)", "方位角 (°)"),
+    "relief_length_mm": ("Length (mm)", "长度 (mm)"),
+    "relief_width_mm": ("Width (mm)", "宽度 (mm)"),
+    "relief_pitch_m": ("Pitch (m)", "螺距 (m)"),
+    "plot_azimuth": ("azimuth (°)", "方位角 (°)"),
+    "plot_relief": ("height over the base (mm)", "相对基面高度 (mm)"),
     # Mosaic
     "together_caption": (
         "All cameras were adjusted together as one rig, tied by {value} marks that neighbours share (root "

@@ -15,6 +15,7 @@ from pipeline.report.files import write_whole
 from pipeline.report.header import header
 from pipeline.report.labels import LANGUAGES, Language
 from pipeline.report.markup import Writer, escaped
+from pipeline.report.relief_section import relief_section
 from pipeline.report.types import ReportData
 from pipeline.report.viewer import ViewerOptions
 
@@ -60,6 +61,7 @@ def page_html(data: ReportData, options: PageOptions) -> str:
         ("diameters", parts.diameters(writer, data)),
         ("model", parts.model(writer, data, options.viewer)),
         ("unrolled", parts.unrolled(writer, data, options.unrolled_max_pixels, options.picture_max_side_px)),
+        ("relief", relief_section(writer, data.relief)),
         ("sections", parts.sections(writer, data)),
         ("triangulation", parts.triangulation(writer, data)),
         ("lens", parts.lens(writer, data, options.picture_max_side_px)),

@@ -21,6 +21,7 @@ from pipeline.report.tables import (
     lens_effect_table,
     mosaic_table,
     paper_diameters_table,
+    surface_prior_table,
     triangulation_table,
 )
 from pipeline.report.types import Picture, ReportData, UnrolledPicture
@@ -41,6 +42,8 @@ def diameters(writer: Writer, data: ReportData) -> str:
     if data.axis is not None and len(data.axis.position_m):
         caption = writer.say("axis_caption", "figcaption", value=number(data.axis.straightness_mm_per_m, 3))
         html += writer.figure(axis_plot(data.axis, writer.language), caption)
+    if data.surface_prior is not None:
+        html += surface_prior_table(writer, data.surface_prior)
     if data.truth:
         html += f'<div class="quiet">{paper_diameters_table(writer)}</div>'
     return html

@@ -14,10 +14,12 @@ from pipeline.report.types import (
     LensEffect,
     MosaicSummary,
     StationResult,
+    SurfacePriorSummary,
     TruthStation,
 )
 
 _STATION_COLUMNS = ("position_m", "diameter_mm", "sigma_mm", "min_mm", "max_mm", "coverage_deg")
+_BASE_COLUMN = ("base_diameter_mm",)
 _TRUTH_COLUMNS = ("truth_mm", "difference_mm", "relative_percent")
 
 
@@ -87,11 +89,14 @@ def diameters_table(
 ) -> str:
     """Table 2: the stations; with truth also the differences and the mean absolute error."""
     compared = compare_with_truth(stations, truth)
-    columns = _STATION_COLUMNS + (_TRUTH_COLUMNS if compared else ())
+    based = any(_base_differs(station) for station in stations)
+    columns = _STATION_COLUMNS + (_BASE_COLUMN if based else ()) + (_TRUTH_COLUMNS if compared else ())
     heads = [writer.say(key, "th", 'scope="col"') for key in ("station", *columns)]
     rows = []
     for station in stations:
         cells = _station_cells(station)
+        if based:
+            cells.append(number(station.base_diameter_mm, 3) if _base_differs(station) else "")
         if station.name in compared:
             row = compared[station.name]
             cells += [number(row.truth_mm, 3), signed(row.difference_mm, 3), number(row.relative_percent, 3)]
@@ -102,6 +107,11 @@ def diameters_table(
     if compared:
         rows.append(_error_row(writer, columns, mean_absolute_error_mm(compared)))
     return writer.table(writer.say("diameters_caption", "figcaption"), heads, rows, note)
+
+
+def _base_differs(station: StationResult) -> bool:
+    """Whether what stands proud or is dented changes the mean diameter by more than its sigma."""
+    return abs(station.base_diameter_mm - station.diameter_mm) > station.sigma_mm
 
 
 def _station_cells(station: StationResult) -> list[str]:
@@ -161,6 +171,31 @@ def lens_effect_table(writer: Writer, effects: tuple[LensEffect, ...]) -> str:
         for effect in effects
     ]
     return writer.table(writer.say("lens_effect_caption", "figcaption"), heads, rows)
+
+
+def surface_prior_table(writer: Writer, prior: SurfacePriorSummary) -> str:
+    """Each station's diameter without and with the surface prior."""
+    keys = (
+        *("station", "prior_without_mm", "prior_with_mm", "difference_mm"),
+        *("prior_without_sigma_mm", "prior_with_sigma_mm"),
+    )
+    heads = [writer.say(key, "th", 'scope="col"') for key in keys]
+    rows = [
+        Row(
+            head=_name(s.name),
+            cells=[
+                number(s.without_mm, 3),
+                number(s.with_mm, 3),
+                signed(s.with_mm - s.without_mm, 3),
+                number(s.without_sigma_mm, 3),
+                number(s.with_sigma_mm, 3),
+            ],
+        )
+        for s in prior.stations
+    ]
+    caption = writer.say("surface_prior_caption", "figcaption", sigma=number(prior.sigma_mm, 2))
+    note = writer.say(f"surface_prior_{'used' if prior.used else 'unused'}", "p", 'class="note"')
+    return writer.table(caption, heads, rows, note)
 
 
 def mosaic_table(writer: Writer, mosaic: MosaicSummary) -> str:

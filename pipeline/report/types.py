@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.core.vocabulary import Array, LambdaRadius
+from pipeline.report.relief_records import ReliefSummary
 
 Picture = NDArray[np.uint8]
 
@@ -74,6 +75,8 @@ class StationResult:
         section_mm: (m, 2) points of the section, x and z in the cable frame; m may be 0.
         circle_centre_mm: (x, z) of the fitted circle.
         circle_radius_mm: its radius.
+        base_diameter_mm, base_sigma_mm: mean diameter without what stands proud of the sheath or is dented,
+            and its standard deviation.
     """
 
     name: str
@@ -86,6 +89,8 @@ class StationResult:
     section_mm: Array
     circle_centre_mm: tuple[float, float]
     circle_radius_mm: float
+    base_diameter_mm: float = float("nan")
+    base_sigma_mm: float = float("nan")
 
     def __post_init__(self) -> None:
         _check_shape(self, "section_mm", (None, 2))
@@ -185,14 +190,17 @@ class AxisSummary:
         straightness_mm_per_m: largest distance of the axis from its chord over the length of the chord.
         position_m: (n,) places along the axis.
         bow_mm: (n, 2) distance of the axis from its chord there, along x and z of the cable frame.
+        centre_mm: (n, 2) the axis itself there, x and z of the cable frame.
     """
 
     straightness_mm_per_m: float
     position_m: Array
     bow_mm: Array
+    centre_mm: Array
 
     def __post_init__(self) -> None:
         _check_shape(self, "bow_mm", (len(self.position_m), 2))
+        _check_shape(self, "centre_mm", (len(self.position_m), 2))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -221,6 +229,32 @@ class MosaicSummary:
     scale_corrections: Mapping[str, float]
     tie_points: int
     shared_residual_px: float = float("nan")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurfacePriorStation:
+    """The diameter of one station from the tie points, without and with the surface prior; sigma of both."""
+
+    name: str
+    without_mm: float
+    with_mm: float
+    without_sigma_mm: float
+    with_sigma_mm: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurfacePriorSummary:
+    """What the weak prior that the surface is smooth changes.
+
+    Attributes:
+        sigma_mm: by how much the surface may depart from a smooth one.
+        used: whether the rest of the report stands on the adjustment with the prior.
+        stations: each compared.
+    """
+
+    sigma_mm: float
+    used: bool
+    stations: tuple[SurfacePriorStation, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -274,7 +308,8 @@ class ReportData:
         truth: true diameters for Table 2, empty where nobody knows them.
         lens_pictures, lens_effects: figures 2, 3 and 5, 6, for as many blocks as wanted.
         unrolled: the whole surface; block_unrolled: what each block contributed.
-        profile, axis, mosaic, mesh: see their types; mesh is for the 3D view and is reduced for it.
+        profile, axis, mosaic, surface_prior, relief, mesh: see their types; mesh is for the 3D view and is
+            reduced for it.
         timing_s: stage to seconds, in the order of the stages.
         peak_memory_mb: largest resident memory of the run.
         warnings: sentences for the person who reads the report.
@@ -292,6 +327,8 @@ class ReportData:
     profile: DiameterProfile | None = None
     axis: AxisSummary | None = None
     mosaic: MosaicSummary | None = None
+    surface_prior: SurfacePriorSummary | None = None
+    relief: ReliefSummary | None = None
     mesh: Mesh | None = None
     timing_s: Mapping[str, float] = field(default_factory=dict)
     peak_memory_mb: float = float("nan")

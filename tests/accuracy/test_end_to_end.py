@@ -1,7 +1,7 @@
 """From rendered videos to diameters: as good as it should be, and no better.
 
-Bounds have two sides where a figure could be right for a wrong reason: a run that knew the truth would be
-better than any measurement.
+How good that is stands in specs/gate/bounds.toml alone: here the run that the other tests look at is held
+against the bounds of the gate's easy scenario, so that ``make test`` by itself notices a loss too.
 """
 
 import csv
@@ -13,29 +13,29 @@ import pycolmap
 import pytest
 import trimesh
 
-BLOCKS = ("Block1", "Block2", "Block3", "Block4")
-IMAGES = 14
+from synth.gate.bounds import read_bounds
+from synth.gate.figures import Case, figures_of
+from synth.gate.verdict import judge
 
-# what the chain reaches on the small survey, with room for another compiler, not for another algorithm
-LARGEST_MAE_MM, LEAST_MAE_MM = 0.06, 1e-4
-LARGEST_SIGMA_MM, LEAST_SIGMA_MM = 0.5, 0.005
-LARGEST_REPROJECTION_PX, LEAST_REPROJECTION_PX = 0.35, 0.01
+BLOCKS = ("Block1", "Block2", "Block3", "Block4")
 LEAST_COVERAGE_DEG = 300
 
 
-class TestDiameters:
-    def test_they_are_right_within_what_they_claim(self, report, truth):
-        true_mm = {s["name"]: s["diameter_mm"] for s in truth["stations"]}
-        for station in report["stations"]:
-            difference_mm = station["diameter_mm"] - true_mm[station["name"]]
-            assert abs(difference_mm) <= 2 * station["sigma_mm"], station
-            assert LEAST_SIGMA_MM < station["sigma_mm"] < LARGEST_SIGMA_MM
+@pytest.fixture(scope="module")
+def images(truth):
+    """Frames of each block."""
+    return truth["spec"]["robot"]["frames"]
 
-    def test_the_mean_error_is_small_but_not_none(self, report, truth):
-        found = {s["name"]: s["diameter_mm"] for s in report["stations"]}
-        errors = [abs(found[s["name"]] - s["diameter_mm"]) for s in truth["stations"]]
-        assert LEAST_MAE_MM < np.mean(errors) < LARGEST_MAE_MM
-        assert report["truth"]["mean_absolute_error_mm"] == pytest.approx(np.mean(errors))
+
+class TestDiameters:
+    def test_every_figure_lies_between_the_gates_bounds(self, finished, report, evaluation):
+        case = Case(evaluation=evaluation, report=report, seconds=finished.command.seconds)
+        lines = judge("paper", figures_of(case), read_bounds()["paper"])
+        assert [line.sentence() for line in lines if not line.holds] == []
+
+    def test_the_report_tells_the_same_mean_error(self, report, evaluation):
+        told = report["truth"]["mean_absolute_error_mm"]
+        assert told == pytest.approx(evaluation["diameters"]["mean_absolute_mm"])
 
     def test_the_cable_is_seen_nearly_all_around_and_is_round(self, report):
         for station in report["stations"]:
@@ -45,21 +45,20 @@ class TestDiameters:
 
     def test_the_spreadsheet_tells_the_same(self, finished, report):
         rows = list(csv.DictReader((finished.folder / "diameters.csv").open()))
-        assert [row["name"] for row in rows] == ["A", "B"]
+        assert [row["name"] for row in rows] == ["A", "B", "C", "D"]
         for row, station in zip(rows, report["stations"], strict=True):
             for key in ("position_m", "diameter_mm", "sigma_mm", "min_mm", "max_mm", "coverage_deg"):
                 assert float(row[key]) == pytest.approx(station[key], abs=1e-4)
 
 
 class TestBlocks:
-    def test_every_frame_is_calibrated(self, report):
+    def test_every_frame_is_calibrated(self, report, images):
         assert [b["name"] for b in report["blocks"]] == list(BLOCKS)
-        assert {(b["images"], b["calibrated"]) for b in report["blocks"]} == {(IMAGES, IMAGES)}
+        assert {(b["images"], b["calibrated"]) for b in report["blocks"]} == {(images, images)}
 
     def test_the_figures_of_table_1_are_possible(self, report, truth):
         visible_m2 = np.pi * truth["stations"][0]["diameter_mm"] / 1000 * truth["travel_m"]
         for block in report["blocks"]:
-            assert LEAST_REPROJECTION_PX < block["reprojection_px"] < LARGEST_REPROJECTION_PX
             assert 200 < block["keypoints_per_image"] < 10_000  # the paper: 413
             # one camera sees 100 to 140 degrees of the cable, and a little beyond the travel
             assert 100 / 360 * visible_m2 < block["coverage_m2"] < 140 / 360 * 1.3 * visible_m2
@@ -75,10 +74,10 @@ class TestBlocks:
             assert block["lens_method"] == "given"
 
     @pytest.mark.parametrize("name", BLOCKS)
-    def test_the_sparse_model_is_colmaps_and_reprojects_as_reported(self, finished, report, name):
+    def test_the_sparse_model_is_colmaps_and_reprojects_as_reported(self, finished, report, images, name):
         sparse = pycolmap.Reconstruction(str(finished.folder / "blocks" / name / "sparse"))
         block = next(b for b in report["blocks"] if b["name"] == name)
-        assert (sparse.num_reg_images(), sparse.num_cameras()) == (IMAGES, 1)
+        assert (sparse.num_reg_images(), sparse.num_cameras()) == (images, 1)
         assert sparse.cameras[1].model.name == "SIMPLE_DIVISION"
         distances, counts = [], []
         for image in sparse.images.values():
@@ -108,7 +107,7 @@ class TestWithoutLensCorrection:
     def test_the_diameters_are_at_least_five_times_worse(self, bent, report):
         straight_mm, bent_mm = (r["truth"]["mean_absolute_error_mm"] for r in (report, bent))
         assert bent_mm > 5 * straight_mm
-        assert 1.0 < bent_mm < 80
+        assert 0.5 < bent_mm < 80
 
     def test_the_report_says_so(self, bent):
         assert any("correction was switched off" in said for said in bent["warnings"])
@@ -124,11 +123,13 @@ class TestEvaluation:
         assert 80 < surface["coverage_percent"] <= 100
         assert abs(surface["bias_mm"]) < 0.1
         assert 0.01 < surface["noise_mm"] < 0.12
-        assert surface["bow_mm"] < 0.1
+        assert surface["wrong_percent"] < 1
+        assert max(station["overclaimed_deg"] for station in surface["stations"]) < 10
+        assert evaluation["axis"]["bow_mm"] < 0.1
 
-    def test_the_cameras_stand_where_they_stood(self, evaluation):
+    def test_the_cameras_stand_where_they_stood(self, evaluation, images):
         rows = {row["block"]: row for row in evaluation["cameras"]["as_they_stand"]}
         assert set(rows) == {*BLOCKS, "all"}
-        assert all(row["frames"] == IMAGES for name, row in rows.items() if name != "all")
+        assert all(row["frames"] == images for name, row in rows.items() if name != "all")
         assert 0.005 < rows["all"]["position_mm"] < 1.0
         assert 0.001 < rows["all"]["attitude_deg"] < 0.15

@@ -104,11 +104,11 @@ class TestUnrolledPicture:
         self, finished, rendered, report
     ):
         """The painting is synth's own (docs/synth.md); both are compared on a grid of azimuth and place."""
-        azimuth, y_m = np.meshgrid(np.arange(0, 360, 0.5), np.arange(0.02, 0.24, 0.0005))
+        azimuth, y_m = np.meshgrid(np.arange(0, 360, 0.5), np.arange(0.02, 0.28, 0.0005))
         shown = self.shown(finished, report["unrolled"], azimuth, y_m)
         same = correlation(shown, self.painted(rendered, azimuth, y_m))
         mirrored = correlation(shown, self.painted(rendered, -azimuth, y_m))
-        reversed_ = correlation(shown, self.painted(rendered, azimuth, 0.26 - y_m))
+        reversed_ = correlation(shown, self.painted(rendered, azimuth, 0.30 - y_m))
         assert same > 0.7
         assert max(abs(mirrored), abs(reversed_)) < 0.4
 
@@ -145,20 +145,22 @@ def correlation(first, second):
 class TestReport:
     def test_every_figure_of_the_contract_is_there(self, report):
         assert report["format"] == 1
-        assert report["name"] == "small"
+        assert report["name"] == "paper"
         assert set(report) >= {"stations", "blocks", "axis", "timing_s", "peak_memory_mb"}
         station = {"name", "position_m", "diameter_mm", "sigma_mm", "min_mm", "max_mm", "coverage_deg"}
         block = {"name", "images", "calibrated", "keypoints_per_image", "reprojection_px", "focal_px"}
         block |= {"division_lambda", "lambda_radius", "coverage_m2", "resolution_mm"}
         assert all(set(s) >= station for s in report["stations"])
         assert all(set(b) >= block for b in report["blocks"])
-        assert [(s["name"], s["position_m"]) for s in report["stations"]] == [("A", 0.08), ("B", 0.18)]
+        asked = [("A", 0.06), ("B", 0.12), ("C", 0.18), ("D", 0.24)]
+        assert [(s["name"], s["position_m"]) for s in report["stations"]] == asked
         assert all(110 < s["diameter_mm"] < 112 for s in report["stations"])
         assert 0 < report["axis"]["straightness_mm_per_m"] < 1
 
     def test_time_and_memory_are_those_of_this_run(self, finished, report):
         timing_s = report["timing_s"]
-        assert set(timing_s) == set(STAGE_NAMES)
+        # a lens that was given right leaves nothing to track again
+        assert set(timing_s) in (set(STAGE_NAMES), set(STAGE_NAMES) - {"rematch", "rejoin"})
         assert 0.5 * finished.command.seconds < sum(timing_s.values()) < finished.command.seconds
         assert 100 < report["peak_memory_mb"] < 4096
 

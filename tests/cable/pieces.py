@@ -13,6 +13,7 @@ from pipeline.cable.closest_fit import Placement
 from pipeline.cable.crop import Crop
 from pipeline.cable.measure import MeasureOptions, measure_ring
 from pipeline.cable.mosaic import Mosaic, MosaicBlock
+from pipeline.cable.relief import ReliefOptions
 from pipeline.cable.ring import RingOptions, build_ring
 from pipeline.cable.surface import BlockSurface
 from pipeline.cable.texture import UnrolledPicture
@@ -180,6 +181,8 @@ def measure(
         ),
         stations,
         TRAVEL_M,
+        9000 * CELL_M,
         MeasureOptions(**{"profile_mm": 40.0, **options}),
+        ReliefOptions(),
         emit,
     )

@@ -99,6 +99,55 @@ def test_a_bump_stands_out_of_the_map(barrel_view, tmp_path):
     assert 1.25 < np.nanmedian(error_mm(found)[bump(azimuth, y_m) > 0.00142]) < 1.55
 
 
+def ridge(azimuth, y_m):
+    """A helical rib, 2 mm high and as wide as 26 cells, as steep as 22 degrees; distance to its crest, mm."""
+    around = scene.RADIUS_M * np.angle(np.exp(1j * (azimuth - (y_m - 0.09) / 0.6 * 2 * np.pi)))
+    return 1000 * around
+
+
+def ridge_height_m(azimuth, y_m):
+    return 0.002 * np.cos(np.pi * np.clip(ridge(azimuth, y_m) / 16, -0.5, 0.5)) ** 2
+
+
+@pytest.fixture(scope="module")
+def ridge_map(barrel_view, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("ridge")
+    view = replace(barrel_view, height_m=ridge_height_m)
+    return sweep(view.write(folder), scene.true_orientation(view), folder)
+
+
+def test_a_ridge_has_its_height_and_its_flanks(ridge_map):
+    azimuth, y_m = np.meshgrid(ridge_map.azimuth, ridge_map.y_m)
+    across = ridge(azimuth, y_m)
+    left = error_mm(ridge_map) - 1000 * ridge_height_m(azimuth, y_m)
+    assert -0.17 < np.nanmedian(left[np.abs(across) < 1.5]) < 0.03  # the window of 5.5 mm rounds the crest
+    for first, last in ((-6, -2), (2, 6)):
+        flank = (across > first) & (across < last)
+        assert abs(np.nanmedian(left[flank])) < 0.06
+    assert abs(np.nanmedian(left[np.abs(across) > 12])) < 0.03
+
+
+def test_a_ridge_is_seen_and_what_is_wrong_there_is_masked(ridge_map):
+    azimuth, y_m = np.meshgrid(ridge_map.azimuth, ridge_map.y_m)
+    near = (np.abs(ridge(azimuth, y_m)) < 8) & (y_m > 0) & (y_m < scene.TRAVEL_M)
+    left = (error_mm(ridge_map) - 1000 * ridge_height_m(azimuth, y_m))[near]
+    assert np.isfinite(left).mean() > 0.85
+    assert (np.abs(left[np.isfinite(left)]) > 0.35).mean() < 0.08
+
+
+def test_light_that_moves_along_with_the_camera_is_not_taken_for_the_surface(
+    barrel_view, barrel_orientation, tmp_path
+):
+    """Bright and dark bands that stand still in the picture would pull every cell towards them."""
+    bands = 1 + 0.3 * np.sin(np.arange(scene.WIDTH_PX) * 2 * np.pi / 25)
+    frames = barrel_view.write(tmp_path / "bands", light=np.tile(bands, (scene.HEIGHT_PX, 1)))
+    found = sweep(frames, barrel_orientation, tmp_path)
+    matched = sweep(frames, barrel_orientation, tmp_path, DenseOptions(detail_cells=0.0))
+    assert found.coverage > 0.75
+    assert found.coverage > matched.coverage + 0.1
+    assert 1.4826 * np.nanmedian(np.abs(error_mm(found))) < 0.15
+
+
 def test_the_camera_may_stand_anywhere_around_the_cable(tmp_path):
     view = scene.Scene(poses=scene.poses(azimuth_deg=250.0, frames=6), lens=scene.lens(scene.BARREL))
     turn = Rotation.from_euler("y", 250, degrees=True).as_matrix()
@@ -136,7 +185,7 @@ def test_progress_never_goes_back_and_names_the_block(barrel_frames, barrel_orie
     sweep(barrel_frames, barrel_orientation, tmp_path, DenseOptions(cell_mm=2.0), emit=events.append)
     shares = [e.done / e.total for e in events]
     assert shares == sorted(shares)
-    assert len(events) == 2 * scene.FRAMES
+    assert len(events) == 3 * scene.FRAMES
     assert {(e.stage, e.block) for e in events} == {("dense", "Block1")}
     assert 0.9 < shares[-1] <= 1
 

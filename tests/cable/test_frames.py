@@ -12,7 +12,7 @@ from pipeline.cable.frames import (
     combined_sharpness,
     extract_frames,
     select_frames,
-    sequence_positions,
+    select_spread,
     sharpness,
 )
 from pipeline.cable.survey import survey_from
@@ -103,7 +103,7 @@ def test_positions_are_fractions_of_the_travel(tmp_path):
     options = FrameOptions(spacing_mm=40.0, sharpness_window=0.0)
     (sequence,) = extract_frames(survey_of(tmp_path, "a.avi"), options, tmp_path / "run", silent)
     assert sequence.source_indices.tolist() == [0, 2, 4, 6, 8, 10]
-    np.testing.assert_allclose(sequence_positions(sequence, 0.2), np.linspace(0, 0.2, 6), atol=1e-15)
+    np.testing.assert_allclose(sequence.places_m(0.2), np.linspace(0, 0.2, 6), atol=1e-15)
 
 
 def test_synchronised_blocks_get_the_same_frames_and_avoid_what_is_blurred_in_any(tmp_path):
@@ -262,3 +262,16 @@ def test_most_frames_is_a_limit():
 def test_a_moment_is_as_sharp_as_its_worst_image_each_in_its_own_measure():
     combined = combined_sharpness([np.array([1.0, 2.0, 1.0]), np.array([50.0, 100.0, 100.0])])
     assert combined.tolist() == [0.5, 1.0, 1.0]
+
+
+def test_of_images_at_uneven_steps_the_sharpest_in_every_half_spacing_stays():
+    fractions = np.array([1.0, 0.0, 0.52, 0.30, 0.55, 0.05, 0.97])
+    values = np.array([1.0, 1.0, 2.0, 1.0, 3.0, 1.0, 9.0])
+    options = FrameOptions(spacing_mm=50.0)
+    chosen = select_spread(values, fractions, 0.2, options)  # eight cells of 25 mm
+    assert chosen.tolist() == [1, 5, 3, 4, 6, 0]
+    assert select_spread(values, fractions, 0.2, EVERY).tolist() == [1, 5, 3, 2, 4, 6, 0]
+    few = FrameOptions(spacing_mm=0.0, most_frames=3)
+    assert select_spread(values, fractions, 0.2, few).tolist() == [1, 6, 0]
+    with pytest.raises(StageError, match="leave 2 of 7 frames"):
+        select_spread(values, fractions, 0.2, FrameOptions(most_frames=2))

@@ -46,6 +46,29 @@ def test_an_oval_has_its_two_axes_and_their_mean(turn_deg):
     assert section.min_mm == pytest.approx(109.4, abs=0.03)
 
 
+def test_a_rib_does_not_pull_the_base():
+    """Two millimetres over 10 mm of the girth would widen the mean by some 0.1 mm."""
+
+    def ribbed(azimuth, y_m):
+        arc_mm = 1000 * scene.RADIUS_M * np.angle(np.exp(1j * (azimuth - 0.3)))
+        return scene.RADIUS_M + 0.002 * np.cos(np.pi * np.clip(arc_mm / 10, -0.5, 0.5)) + 0 * y_m
+
+    blocks, crops = pieces.ring(true_radius=ribbed, noise_mm=0.03)
+    found = pieces.measure(blocks, crops, ring=pieces.join(blocks, crops))
+    for section in found.sections:
+        assert section.base_diameter_mm == pytest.approx(110.0, abs=0.02)
+        assert 0 < section.base_sigma_mm < 0.02
+    assert [f.kind for f in found.relief.features] == ["ridge"]
+
+
+def test_the_base_is_as_sure_as_travel_and_lens(plain):
+    blocks, crops = pieces.ring(noise_mm=0.03)
+    unsure = pieces.measure(blocks, crops, travel_share=0.001).sections[1]
+    assert unsure.base_sigma_mm == pytest.approx(0.11, rel=0.05)
+    assert plain.sections[1].base_sigma_mm < 0.02
+    assert plain.sections[1].base_diameter_mm == pytest.approx(110.0, abs=0.01)
+
+
 def test_stations_along_a_taper_differ_as_the_cable_does():
     """Two millimetres of diameter a metre: 0.08 mm from A to B."""
     found = pieces.measure(*pieces.ring(true_radius=lambda a, y: 0.0549 + 0.001 * y + 0 * a), profile_mm=5.0)
@@ -100,7 +123,7 @@ def test_the_parts_add_up(plain):
         )
 
 
-def test_progress_counts_the_stations():
+def test_progress_counts_the_relief_and_the_stations():
     events = []
     pieces.measure(*pieces.ring(), emit=events.append)
-    assert [(e.stage, e.done, e.total) for e in events] == [("measure", k, 4) for k in range(3)]
+    assert [(e.stage, e.done, e.total) for e in events] == [("measure", k, 5) for k in range(4)]

@@ -1,11 +1,19 @@
 """The constructed POS follows the paper; POS files read back the same and are refused in clear words."""
 
+from dataclasses import replace
 from math import hypot, radians
 
 import numpy as np
 import pytest
 
-from pipeline.cable.pos import PosOptions, construct_pos, pos_of_block, read_pos, write_pos
+from pipeline.cable.pos import (
+    PosOptions,
+    construct_pos,
+    pos_of_block,
+    read_pos,
+    robot_priors,
+    write_pos,
+)
 from pipeline.cable.survey import Block, Cable, LensSpec, Robot, Survey
 from pipeline.core.errors import StageError
 from pipeline.core.vocabulary import FrameSequence, Poses, PosPriors, TravelDirection
@@ -54,6 +62,13 @@ def table(folder, rows, header=HEADER):
 GOOD = [f"{k:06d}.png,0.3,{0.01 * k},0,0,0,0" for k in range(10)]
 
 
+def test_places_found_from_the_pictures_count_instead_of_even_steps(folder):
+    found = replace(frames_of(folder, (2, 0, 1)), fractions=np.array([0.0, 0.3, 1.0]))
+    priors = construct_pos(block(), ROBOT, CABLE, found, PosOptions())
+    np.testing.assert_allclose(priors.poses.centres[:, 1], [0, 0.138, 0.46], atol=1e-12)
+    np.testing.assert_allclose(robot_priors(ROBOT, CABLE, found, PosOptions()).y_m, [0, 0.138, 0.46])
+
+
 def test_frame_k_lies_k_minus_1_steps_along_the_cable(folder):
     priors = construct_pos(block(), ROBOT, CABLE, frames_of(folder), PosOptions())
     step = 0.46 / 9
@@ -93,10 +108,9 @@ def test_every_camera_looks_square_at_the_axis_with_its_travel_as_told(
 
 
 def test_the_sigmas_are_tight_at_the_ends_loose_inside_and_know_the_lever(folder):
-    options = PosOptions(
-        sway_deg=0.2, sway_mm=0.5, wander_mm=2.0, travel_mm=0.1, mounting_deg=0.0, mounting_mm=0.0
-    )
-    sigmas = construct_pos(block(), ROBOT, CABLE, frames_of(folder), options).sigmas
+    options = PosOptions(sway_deg=0.2, sway_mm=0.5, wander_mm=2.0, mounting_deg=0.0, mounting_mm=0.0)
+    cable = replace(CABLE, travel_sigma_mm=0.1)
+    sigmas = construct_pos(block(), ROBOT, cable, frames_of(folder), options).sigmas
     lever = 0.3 * radians(0.2)
     np.testing.assert_allclose(sigmas[:, :3], radians(0.2))
     np.testing.assert_allclose(sigmas[:, 3], 0.0005)  # towards the axis: the arm turns, it does not grow
@@ -104,7 +118,7 @@ def test_the_sigmas_are_tight_at_the_ends_loose_inside_and_know_the_lever(folder
     assert sigmas[0, 4] == pytest.approx(lever)
     assert sigmas[-1, 4] == pytest.approx(hypot(lever, 0.0001))
     assert sigmas[4, 4] == pytest.approx(hypot(hypot(lever, 0.002), 0.0001), rel=0.02)
-    quarter = construct_pos(block(90.0), ROBOT, CABLE, frames_of(folder), options).sigmas
+    quarter = construct_pos(block(90.0), ROBOT, cable, frames_of(folder), options).sigmas
     np.testing.assert_allclose(quarter[:, [3, 5]], sigmas[:, [5, 3]])
 
 

@@ -187,6 +187,33 @@ def test_what_is_wrong_is_told_with_its_key(written, old, new, words):
     assert "\n" not in str(caught.value)
 
 
+UNORDERED = 'travel_in_image = "right"\nordered = false'
+
+
+def test_images_are_in_order_unless_the_block_says_otherwise(written, tmp_path):
+    (tmp_path / "images").mkdir()
+    text = CONTRACT.replace("block1.mp4", "images")
+    assert read_survey(written(text)).blocks[0].ordered
+    survey = read_survey(written(text.replace('travel_in_image = "right"', UNORDERED)))
+    assert not survey.blocks[0].ordered
+    write_survey(survey, tmp_path / "copy.toml")
+    assert read_survey(tmp_path / "copy.toml") == survey
+
+
+def test_frames_of_a_video_are_in_order(written):
+    with pytest.raises(StageError, match=r"block\[Block1\].ordered = false, but its source is a video"):
+        read_survey(written(CONTRACT.replace('travel_in_image = "right"', UNORDERED)))
+
+
+def test_unordered_and_ordered_blocks_share_no_clock(written, tmp_path):
+    (tmp_path / "images").mkdir()
+    text = CONTRACT.replace("block1.mp4", "images").replace('travel_in_image = "right"', UNORDERED)
+    with pytest.raises(StageError, match=r"block\[Block1\].ordered = false, but other blocks .* order"):
+        read_survey(written(text + SECOND_BLOCK))
+    alone = text.replace("synchronised = true", "synchronised = false")
+    assert [b.ordered for b in read_survey(written(alone + SECOND_BLOCK)).blocks] == [False, True]
+
+
 @pytest.mark.parametrize(
     ("addition", "words"),
     [

@@ -147,3 +147,44 @@ def test_frames_are_read_once_and_forgotten_when_there_are_too_many():
     for frame in (0, 1, 0, 2, 0, 1):
         assert reader[frame].mean() == frame
     assert asked == [0, 1, 2, 1]
+
+
+def test_slow_shading_is_taken_off_and_fine_marks_stay():
+    column = np.arange(64.0)
+    marks = 20 * np.cos(np.pi * column)  # every other column
+    bare, shaded = (
+        FrameReader(lambda _, p=picture: np.tile(p, (32, 1)), blur_px=0.0, detail_px=1.5)[0][16, 8:-8]
+        for picture in (100 + marks, 60 + 1.5 * column + marks)
+    )
+    np.testing.assert_allclose(shaded, bare, atol=0.01)
+    np.testing.assert_allclose(bare, marks[8:-8], atol=0.3)
+
+
+def test_a_frame_further_away_counts_for_more_when_it_is_asked_for(barrel_view):
+    """Two frames on one side, the near one from a wrong place: the far one wins with the power."""
+    pictures = [barrel_view.picture(k)[..., 2] for k in range(scene.FRAMES)]
+    pictures[6] = pictures[5]  # seen from 20 mm away, believed 40 mm away
+    start = np.full((len(GRID.y_m), len(GRID.azimuth)), 0.055, dtype=np.float32)
+    offsets_m = np.arange(-1.2, 1.21, 0.3) / 1000
+    reader = FrameReader(lambda k: pictures[k], 0.0)
+    scores = [
+        np.nanmedian(
+            inner(
+                sweep_strip(
+                    reader,
+                    barrel_view.lens,
+                    barrel_view.poses,
+                    REFERENCE,
+                    (6, 8),
+                    (),
+                    GRID,
+                    start,
+                    offsets_m,
+                    WINDOW,
+                    power,
+                ).score
+            )
+        )
+        for power in (0.0, 2.0)
+    ]
+    assert scores[0] < 0.65 < 0.7 < scores[1]

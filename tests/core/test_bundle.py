@@ -11,7 +11,7 @@ from pipeline.core.rig import Observations, Rig, linearise, points_in_camera
 from pipeline.core.rotations import nominal_cam_from_world, rotation_from_vector
 from pipeline.core.vocabulary import TravelDirection
 
-LENS = np.array([720.0, 480.0, 300.0, -0.0324])
+LENS = np.array([720.0, 480.0, 300.0, -0.0625])
 
 
 def ring(frames=8, cameras=4, points=600, seed=1):

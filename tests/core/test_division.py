@@ -56,11 +56,20 @@ def test_parameters_and_back_keep_lambda_in_its_unit():
         assert again.lambda_radius == lens.lambda_radius
 
 
+def test_unknowns_and_back_keep_the_lens_and_its_bend_hangs_on_no_focal_length():
+    for lens in LENSES:
+        again = division.with_unknowns(lens, division.unknowns(lens))
+        assert again.division_lambda == pytest.approx(lens.division_lambda, abs=1e-15)
+    bend, other = (division.unknowns(lens_of(-0.08, focal_px=f))[3] for f in (720.0, 756.0))
+    assert bend == pytest.approx(other, rel=1e-12)
+    assert bend == pytest.approx(-0.08 * division.bend_per_lambda(lens_of(-0.08)), rel=1e-12)
+
+
 @pytest.mark.parametrize("lens", [lens_of(-0.08), lens_of(0.05), lens_of(0.0)])
 def test_derivatives_agree_with_central_differences(lens):
     rng = np.random.default_rng(3)
     points = np.column_stack([rng.uniform(-0.2, 0.2, (30, 2)), rng.uniform(0.25, 0.4, 30)])
-    values = division.parameters(lens)
+    values = division.unknowns(lens)
     pixels, per_point, per_lens = division.project_with_jacobian(values, points)
     np.testing.assert_allclose(pixels, division.project(lens, points), atol=1e-10)
 
@@ -79,7 +88,7 @@ def test_derivatives_agree_with_central_differences(lens):
 
 def test_one_lens_per_point_equals_one_lens_at_a_time():
     points = np.array([[0.05, 0.02, 0.3], [-0.1, 0.03, 0.25]])
-    values = np.array([division.parameters(lens_of(-0.02)), division.parameters(lens_of(-0.1))])
+    values = np.array([division.unknowns(lens_of(-0.02)), division.unknowns(lens_of(-0.1))])
     together = division.project_with_jacobian(values, points)
     for i in range(2):
         alone = division.project_with_jacobian(values[i], points[i : i + 1])

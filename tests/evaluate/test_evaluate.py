@@ -86,7 +86,13 @@ def case(tmp_path):
             "name": "test",
             "stations": stations
             or [
-                {"name": n, "position_m": 0.1 * k, "diameter_mm": model, "sigma_mm": 0.5}
+                {
+                    "name": n,
+                    "position_m": 0.1 * k,
+                    "diameter_mm": model,
+                    "sigma_mm": 0.5,
+                    "coverage_deg": 350.0,
+                }
                 for k, (n, (model, _)) in enumerate(PAPER.items(), start=1)
             ],
             "blocks": [{"name": name, **of_run, "focal_px": 720.0, **dict(lens)} for name in lenses],
@@ -155,8 +161,12 @@ def test_a_perfect_run_has_no_errors(case):
     )
     assert abs(found.surface.bias_mm) < 2e-3
     assert found.surface.noise_mm < 2e-3
-    assert found.surface.bow_mm < 2e-3
+    assert found.surface.wrong_percent == 0
     assert found.surface.coverage_percent == 100
+    assert [(s.told_deg, s.right_deg, s.overclaimed_deg) for s in found.surface.stations] == [
+        (350, 360, 0)
+    ] * 4
+    assert (found.axis, found.relief) == (None, None)  # this run is an older one, which tells neither
     assert found.straightness_mm_per_m == 0.12
 
 
@@ -235,7 +245,7 @@ def test_bias_and_noise_of_the_surface_are_found_as_put_in(case):
         shape = (len(position), len(theta))
         noise = np.random.default_rng(4).normal(0, 0.03, shape)
         noise[5, ::7] = 3.0  # a few wild cells do not count as noise
-        low = 0.2 * np.cos(np.radians(theta)) * np.linspace(-1, 1, shape[0])[:, None]
+        low = 0.2 * np.cos(2 * np.radians(theta)) * np.linspace(-1, 1, shape[0])[:, None]
         return true_radius(theta, position) + 0.05 + noise + low
 
     found = evaluate(*case(radius_mm=noisy)).surface
@@ -244,30 +254,177 @@ def test_bias_and_noise_of_the_surface_are_found_as_put_in(case):
     assert 0.15 < found.within_95_mm < 0.35
 
 
-def test_a_bowed_axis_is_measured_and_a_straight_crooked_one_is_not_bowed(case):
-    def bowed(theta, position):
-        t = np.linspace(-1, 1, len(position))[:, None]
-        return true_radius(theta, position) - np.sin(np.radians(theta)) * 0.4 * (1 - t**2)
+def about_bowed_axis(theta, position, rise_mm):
+    """Radii about the y axis of the true surface moved by an axis that bows towards azimuth 90 degrees,
+    -z."""
+    offset = rise_mm * 4 * (position / TRAVEL_M) * (1 - position / TRAVEL_M)
+    rows = []
+    for y, e in zip(position, offset, strict=True):
+        a = np.radians(np.arange(0.0, 360.0, 0.25))  # about the bowed axis, then seen from the y axis
+        r = true_radius(np.degrees(a), [y])[0]
+        x, z = r * np.cos(a), -r * np.sin(a) - e
+        seen, order = np.degrees(np.arctan2(-z, x)) % 360, None
+        order = np.argsort(seen)
+        rows.append(np.interp(theta, seen[order], np.hypot(x, z)[order], period=360))
+    return np.array(rows)
 
-    def tilted(theta, position):
-        t = np.linspace(-1, 1, len(position))[:, None]
-        return true_radius(theta, position) - np.sin(np.radians(theta)) * 0.4 * t
 
-    # 12 rings see 0.4 (1 - t^2) as its means: 0.398 in the middle, 0.064 at the end, 0.267 on the average
-    assert evaluate(*case(radius_mm=bowed)).surface.bow_mm == pytest.approx(0.267 - 0.064, abs=0.01)
-    assert evaluate(*case(radius_mm=tilted)).surface.bow_mm < 0.005
+def test_a_map_about_a_straight_axis_agrees_with_a_truth_about_a_bowed_one(case):
+    found = evaluate(*case(radius_mm=lambda t, p: about_bowed_axis(t, p, 3.0))).surface
+    assert abs(found.bias_mm) < 2e-3  # a first harmonic alone would leave up to e^2 / 4 r = 0.04 mm
+    assert found.within_95_mm < 4e-3
+    assert found.wrong_percent == 0
 
 
-def test_holes_lower_the_coverage_and_an_open_ring_has_no_axis(case):
+def test_a_ring_out_of_the_middle_is_no_error_of_the_surface_and_an_oval_one_is(case):
+    def shifted(theta, position):
+        return true_radius(theta, position) + 0.4 * np.cos(np.radians(theta - 40))
+
+    def oval(theta, position):
+        return true_radius(theta, position) + 0.4 * np.cos(2 * np.radians(theta - 40))
+
+    assert evaluate(*case(radius_mm=shifted)).surface.within_95_mm < 6e-3
+    assert 0.39 < evaluate(*case(radius_mm=oval)).surface.within_95_mm < 0.41
+
+
+def test_holes_lower_the_coverage_and_an_open_ring_is_compared_as_it_stands(case):
     def strip(theta, position):
-        radius = true_radius(theta, position)
+        radius = true_radius(theta, position) + 0.1 * np.cos(np.radians(theta))
         radius[:, theta > 120] = np.nan
         return radius
 
     found = evaluate(*case(radius_mm=strip)).surface
     assert found.coverage_percent == pytest.approx(100 / 3, abs=0.2)
-    assert np.isnan(found.bow_mm)
-    assert abs(found.bias_mm) < 2e-3
+    assert 0.09 < found.within_95_mm < 0.11
+
+
+def test_what_is_told_as_seen_and_is_not_right_is_overclaimed(case):
+    def guessed(theta, position):
+        radius = true_radius(theta, position)
+        radius[:, (theta > 90) & (theta < 180)] += 1.0  # a quarter is made up
+        radius[:, (theta > 300) & (theta < 330)] = np.nan
+        return radius
+
+    found = evaluate(*case(radius_mm=guessed)).surface
+    assert found.wrong_percent == pytest.approx(100 * 90 / 330, abs=0.5)
+    for station in found.stations:
+        assert station.right_deg == pytest.approx(240, abs=3)
+        assert station.overclaimed_deg == pytest.approx(110, abs=3)
+
+
+def told(path, **keys):
+    """Add keys to a report or a truth."""
+    spoil(path, lambda values: values.update(keys))
+
+
+def axis_rows(position_m, x_mm, z_mm):
+    return [
+        {"position_m": float(y), "x_mm": float(x), "z_mm": float(z)}
+        for y, x, z in zip(position_m, x_mm, z_mm, strict=True)
+    ]
+
+
+def test_bow_and_course_of_the_axis_are_compared_less_their_lines(case):
+    run, truth = case()
+    y = np.linspace(0, TRAVEL_M, 47)
+    bend = 4 * (y / TRAVEL_M) * (1 - y / TRAVEL_M)
+    told(truth, axis=axis_rows(y, 1.5 * bend, -2.0 * bend))
+    crooked = axis_rows(
+        y, 1.5 * 1.1 * bend + 0.3 + 2 * y, -2.0 * 1.1 * bend - 5 * y
+    )  # tilted, shifted, 10 % more
+    crooked[7].update(x_mm=None, z_mm=None)
+    told(run / "report.json", axis={"straightness_mm_per_m": 1.0, "profile": crooked})
+    found = evaluate(run, truth).axis
+    assert found.places == 46
+    assert found.length_m == pytest.approx(0.46)
+    assert (found.true_bow_mm, found.bow_mm) == (pytest.approx(2.5, abs=2e-3), pytest.approx(2.75, abs=2e-3))
+    assert found.bow_difference_mm == pytest.approx(0.25, abs=1e-3)
+    # a parabola h 4 s (1 - s) less its best line has the root mean square 2 h / sqrt(45)
+    assert found.rms_mm == pytest.approx(0.25 * 2 / 45**0.5, rel=0.07)  # the ends count for more
+    assert "diff +0.250 mm" in format_table(evaluate(run, truth))
+
+
+BULGE = {"kind": "bulge", "position_m": 0.145, "azimuth_deg": 20.0, "height_mm": 1.5, "peak_mm": 1.5}
+DENT = {"kind": "dent", "position_m": 0.325, "azimuth_deg": 250.0, "height_mm": 1.0, "peak_mm": -1.0}
+
+
+def find(kind, position_m, azimuth_deg, height_mm):
+    return {
+        "kind": kind,
+        "position_m": position_m,
+        "azimuth_deg": azimuth_deg,
+        "height_mm": height_mm,
+        "sigma_mm": 0.02,
+    }
+
+
+def test_every_defect_meets_the_nearest_find_of_its_kind(case):
+    run, truth = case()
+    told(truth, defects=[BULGE, DENT])
+    finds = [
+        find("bulge", 0.150, 25.0, 9.0),
+        find("bulge", 0.146, -339.0, 1.55),  # 21 degrees, nearer
+        find("dent", 0.145, 20.0, 1.0),  # at the bulge's place, but a dent
+        find("dent", 0.325, 265.0, -0.9),  # 14.5 mm around
+    ]
+    told(run / "report.json", relief=finds)
+    found = evaluate(run, truth).relief
+    bulge, dent = found.entries
+    assert (bulge.found_mm, bulge.difference_mm) == (1.55, pytest.approx(0.05))
+    assert bulge.away_mm == pytest.approx(np.hypot(1.0, radians(1.0) * 55.5), abs=0.02)
+    assert dent.difference_mm == pytest.approx(-0.1)
+    assert dent.away_mm == pytest.approx(14.5, abs=0.1)
+    assert (found.missed, found.false) == (0, 2)
+    assert found.largest_mm == pytest.approx(0.1)
+    assert "missed 0, false 2, ribs 0 of 0" in format_table(evaluate(run, truth))
+
+
+def test_a_find_too_far_off_is_false_and_the_defect_missed(case):
+    run, truth = case()
+    told(truth, defects=[BULGE])
+    told(run / "report.json", relief=[find("bulge", 0.170, 20.0, 1.5)])
+    found = evaluate(run, truth).relief
+    assert (found.missed, found.false) == (1, 1)
+    assert np.isnan(found.entries[0].difference_mm)
+    assert np.isnan(found.largest_mm)
+    told(truth, defects=[{"kind": "bulge"}])
+    with pytest.raises(StageError, match=r"defects\[0\]\.position_m is missing"):
+        evaluate(run, truth)
+
+
+def test_ribs_are_met_anywhere_along_their_crests(case):
+    run, truth = case()
+    fillet = {"height_mm": 2.0, "width_mm": 8.0, "pitch_m": 0.6, "angle_deg": 30.0}
+    told(truth, defects=[], spec={"cable": {"fillet": fillet}})
+    first = find("ridge", 0.3, 30.0 + 180.0 + 0.5, 1.9)  # half a pitch on, half a degree off
+    second = find("ridge", 0.15, 30.0 + 180.0 + 90.0, 2.04)
+    told(run / "report.json", relief=[first, second])
+    found = evaluate(run, truth).relief
+    assert [row.difference_mm for row in found.entries] == pytest.approx([-0.1, 0.04])
+    slope = 2 * np.pi * 55.5 / 600
+    assert found.entries[0].away_mm == pytest.approx(radians(0.5) * 55.5 / np.hypot(1, slope), abs=0.01)
+    assert (found.ridges_true, found.ridges_found, found.missed, found.false) == (2, 2, 0, 0)
+    told(run / "report.json", relief=[first, find("ridge", 0.15, 30.0, 2.0)])  # 90 degrees from either rib
+    found = evaluate(run, truth).relief
+    assert (found.ridges_found, found.missed, found.false) == (2, 1, 1)
+
+
+def test_the_bare_sheath_is_compared_where_both_tell_it(case):
+    run, truth = case()
+    assert np.isnan(evaluate(run, truth).diameters.base_mean_absolute_mm)
+
+    def bare(values, sigma=None):
+        for station in values["stations"]:
+            station["base_diameter_mm"] = station["diameter_mm"] - 0.1 - (0.02 if sigma else 0.0)
+            station["base_sigma_mm"] = sigma
+
+    spoil(truth, bare)
+    spoil(run / "report.json", lambda values: bare(values, 0.03))
+    found = evaluate(run, truth).diameters
+    assert found.stations[1].base_difference_mm == pytest.approx(1.325 - 0.02)
+    assert found.stations[1].base_sigma_mm == 0.03
+    assert found.base_mean_absolute_mm == pytest.approx(found.mean_absolute_mm - 0.02)
+    assert "MAE of the bare sheath 0.976" in format_table(evaluate(run, truth))
 
 
 def test_stations_alone_are_truth_enough(case):
@@ -302,7 +459,8 @@ def test_the_json_holds_every_number_and_null_for_what_is_unknown(case, tmp_path
     assert written["diameters"]["stations"][1]["difference_mm"] == pytest.approx(1.325)
     assert written["cameras"]["fitted"][-1]["block"] == "all"
     assert written["lenses"][0]["focal_percent"] == 0
-    assert written["surface"]["bow_mm"] is None
+    assert written["axis"] is None
+    assert written["diameters"]["base_mean_absolute_mm"] is None
 
 
 def spoil(path, change):
@@ -333,6 +491,7 @@ def spoil(path, change):
             ["cam_from_world", "3 x 4"],
         ),
         ("truth", lambda v: v["radius_mm"]["values"].pop(), ["radius_mm.values has the shape"]),
+        ("truth", lambda v: v["radius_mm"]["values"][3].__setitem__(5, None), ["radius_mm has gaps"]),
         ("truth", lambda v: v["poses"].pop("Block2"), ["poses.Block2 is missing"]),
         (
             "report",

@@ -3,6 +3,7 @@
 import numpy as np
 
 from pipeline.core.vocabulary import LambdaRadius
+from pipeline.report.relief_records import ReliefFeature, ReliefSummary
 from pipeline.report.types import (
     AxisSummary,
     BlockSummary,
@@ -143,6 +144,53 @@ def unrolled(height=230, width=174, name="", mm_per_px=2.0):
     )
 
 
+def relief(rows=120, columns=90):
+    """A rib that winds around once in 0.6 m, a bulge and a dent, with a patch that was not measured."""
+    y = np.linspace(-0.01, 0.47, rows)[:, None]
+    azimuth_deg = np.linspace(-178, 178, columns)[None, :]
+    turned = np.mod(azimuth_deg - 30 - 600 * y + 180, 360) - 180
+    height = 2.0 * np.clip(1 - (turned / 5) ** 2, 0, None)
+    height += 1.5 * np.exp(-(((y - 0.145) / 0.01) ** 2) - ((azimuth_deg - 20) / 10) ** 2)
+    height -= 1.0 * np.exp(-(((y - 0.325) / 0.01) ** 2) - ((azimuth_deg + 110) / 10) ** 2)
+    height[40:50, 60:70] = np.nan
+    return ReliefSummary(
+        features=(
+            ReliefFeature(
+                kind="ridge",
+                height_mm=1.97,
+                sigma_mm=0.05,
+                position_m=0.23,
+                azimuth_deg=168.2,
+                length_mm=480.0,
+                width_mm=6.9,
+                pitch_m=0.6,
+            ),
+            ReliefFeature(
+                kind="bulge",
+                height_mm=1.52,
+                sigma_mm=0.03,
+                position_m=0.145,
+                azimuth_deg=20.1,
+                length_mm=31.5,
+                width_mm=32.0,
+            ),
+            ReliefFeature(
+                kind="dent",
+                height_mm=0.98,
+                sigma_mm=0.02,
+                position_m=0.325,
+                azimuth_deg=-109.9,
+                length_mm=29.0,
+                width_mm=29.5,
+            ),
+        ),
+        height_mm=height,
+        theta_range_deg=(-180.0, 180.0),
+        y_range_m=(-0.012, 0.472),
+        level_mm=0.2,
+    )
+
+
 def report_data(**changes):
     """Everything a full run has; keywords replace fields."""
     positions = (0.1, 0.19, 0.28, 0.37)
@@ -178,7 +226,10 @@ def report_data(**changes):
             sigma_mm=np.full(len(y), 0.035),
         ),
         "axis": AxisSummary(
-            straightness_mm_per_m=0.214, position_m=y, bow_mm=np.stack([0.06 * bend, -0.03 * bend], axis=1)
+            straightness_mm_per_m=0.214,
+            position_m=y,
+            bow_mm=np.stack([0.06 * bend, -0.03 * bend], axis=1),
+            centre_mm=np.stack([0.06 * bend + y, -0.03 * bend - 2 * y], axis=1),
         ),
         "mosaic": MosaicSummary(
             joints=tuple(
@@ -188,6 +239,7 @@ def report_data(**changes):
             scale_corrections={name: 1.0 + 0.000213 * (i - 1) for i, name in enumerate(BLOCKS)},
             tie_points=1240,
         ),
+        "relief": relief(),
         "mesh": cylinder_mesh(),
         "timing_s": {"frames": 8.1, "lens": 2.4, "match": 31.5, "adjust": 44.2, "dense": 61.0, "report": 3.9},
         "peak_memory_mb": 1834.0,

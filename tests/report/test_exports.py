@@ -16,7 +16,8 @@ from pipeline.report.types import AxisSummary, Mesh
 from tests.report import sample
 
 CONTRACT_STATION = {
-    "name", "position_m", "diameter_mm", "sigma_mm", "min_mm", "max_mm", "coverage_deg"
+    "name", "position_m", "diameter_mm", "sigma_mm", "min_mm", "max_mm", "coverage_deg", "base_diameter_mm",
+    "base_sigma_mm",
 }  # fmt: skip
 CONTRACT_BLOCK = {
     "name", "images", "calibrated", "keypoints_per_image", "reprojection_px", "focal_px", "division_lambda",
@@ -38,10 +39,25 @@ def test_report_json_has_the_keys_of_the_contract(tmp_path):
     assert [set(station) for station in tree["stations"]] == [CONTRACT_STATION] * 4
     assert all(set(block) >= CONTRACT_BLOCK for block in tree["blocks"])
     assert tree["blocks"][0]["lambda_radius"] == "half-diagonal"
-    assert tree["axis"] == {"straightness_mm_per_m": 0.214}
+    assert set(tree["axis"]) == {"straightness_mm_per_m", "bow_mm", "profile"}
+    assert tree["axis"]["straightness_mm_per_m"] == 0.214
     assert tree["timing_s"]["dense"] == 61.0
     assert tree["peak_memory_mb"] == 1834.0
     assert tree["unrolled"]["mm_per_px"] == 2.0
+
+
+def test_report_json_tells_the_axis_place_by_place(tmp_path):
+    axis = AxisSummary(
+        straightness_mm_per_m=10.0,
+        position_m=np.array([0.0, 0.1, 0.2]),
+        bow_mm=np.array([[0.0, 0.0], [0.6, -0.8], [0.0, 0.0]]),
+        centre_mm=np.array([[1.0, 2.0], [1.7, 1.2], [1.2, 2.0]]),
+    )
+    told = read_json(exports.write_report_json(tmp_path / "report.json", sample.report_data(axis=axis)))[
+        "axis"
+    ]
+    assert told["bow_mm"] == pytest.approx(1.0)
+    assert told["profile"][1] == {"position_m": 0.1, "x_mm": 1.7, "z_mm": 1.2}
 
 
 def test_report_json_states_the_error_against_truth(tmp_path):
@@ -54,10 +70,13 @@ def test_report_json_states_the_error_against_truth(tmp_path):
 
 
 def test_what_is_not_known_is_null_and_never_nan(tmp_path):
-    axis = AxisSummary(straightness_mm_per_m=math.nan, position_m=np.zeros(0), bow_mm=np.zeros((0, 2)))
+    nothing = np.zeros((0, 2))
+    axis = AxisSummary(
+        straightness_mm_per_m=math.nan, position_m=np.zeros(0), bow_mm=nothing, centre_mm=nothing
+    )
     data = sample.report_data(axis=axis, peak_memory_mb=math.nan, truth=())
     tree = read_json(exports.write_report_json(tmp_path / "report.json", data))
-    assert tree["axis"]["straightness_mm_per_m"] is None
+    assert tree["axis"] == {"straightness_mm_per_m": None, "bow_mm": None, "profile": []}
     assert tree["peak_memory_mb"] is None
     assert "truth" not in tree
 

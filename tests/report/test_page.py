@@ -15,7 +15,7 @@ from tests.report import sample
 VOID = {"meta", "link", "img", "input", "br", "hr"}
 SMALL = PageOptions(viewer=ViewerOptions(max_vertices=2000, max_texture_px=64))
 ALL_SECTIONS = [
-    "diameters", "model", "unrolled", "sections", "triangulation", "lens", "lens_effect", "mosaic",
+    "diameters", "model", "unrolled", "relief", "sections", "triangulation", "lens", "lens_effect", "mosaic",
     "resources", "files",
 ]  # fmt: skip
 
@@ -149,7 +149,7 @@ def test_without_truth_table_2_shows_the_stations_alone():
 def test_what_a_run_does_not_have_is_left_out():
     data = sample.report_data(
         truth=(), lens_pictures=(), lens_effects=(), unrolled=None, block_unrolled=(), profile=None,
-        axis=None, mosaic=None, mesh=None, timing_s={}, warnings=(),
+        axis=None, mosaic=None, relief=None, mesh=None, timing_s={}, warnings=(),
     )  # fmt: skip
     html = page_html(data, PageOptions(files=()))
     assert read(html).sections == ["diameters", "sections", "triangulation"]

@@ -229,3 +229,15 @@ def test_control_c_ends_with_code_130_and_leaves_no_survey(tmp_path):
         assert process.wait(timeout=20) == 130
     assert not (out / "survey.toml").exists()
     assert len(list(out.glob(".synth/frames/block1/*.png"))) >= 1
+
+
+def test_changed_claims_rewrite_survey_and_truth_and_no_picture(tmp_path):
+    render_survey(THUMBNAILS, tmp_path, silent)
+    before = {file: file.stat().st_mtime_ns for file in tmp_path.glob("block*/*.png")}
+    claim = replace(THUMBNAILS.survey, travel_error_percent=1.0, lost_blocks=("Block2",))
+    render_survey(replace(THUMBNAILS, name="other", survey=claim), tmp_path, silent)
+    assert {file: file.stat().st_mtime_ns for file in tmp_path.glob("block*/*.png")} == before
+    survey = tomllib.loads((tmp_path / "survey.toml").read_text())
+    assert (survey["name"], survey["cable"]["travel_m"]) == ("other", pytest.approx(0.0404))
+    assert [block["name"] for block in survey["block"]] == ["Block1"]
+    assert json.loads((tmp_path / "truth.json").read_text())["spec"]["survey"]["travel_error_percent"] == 1.0

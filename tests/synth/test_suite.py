@@ -10,9 +10,10 @@ from pipeline.core.errors import Cancelled, StageError
 from pipeline.core.events import silent
 from synth.__main__ import main
 from synth.child import Finished, last_sentence, run_child
-from synth.suite import SuiteOptions, run_suite
-from synth.suite_records import Case, Results, StationFigures, figures
-from synth.suite_table import results_markdown
+from synth.suite import SuiteOptions, read_results, run_suite
+from synth.suite_figures import figures
+from synth.suite_records import Case, Results, StationFigures, case_from_json
+from synth.suite_table import results_json, results_markdown
 
 TRUTH = {
     "stations": [
@@ -23,12 +24,14 @@ TRUTH = {
 EVALUATION = {
     "diameters": {
         "stations": [
-            {"name": "A", "model_mm": 100.13, "difference_mm": 0.03, "sigma_mm": 0.02},
-            {"name": "B", "model_mm": 100.06, "difference_mm": -0.04, "sigma_mm": 0.01},
+            {"name": "A", "truth_mm": 100.1, "model_mm": 100.13, "difference_mm": 0.03, "sigma_mm": 0.02},
+            {"name": "B", "truth_mm": 100.1, "model_mm": 100.06, "difference_mm": -0.04, "sigma_mm": 0.01},
         ]
     },
     "lenses": [{"focal_percent": 0.1}, {"focal_percent": -0.3}],
-    "surface": {"coverage_percent": 97.5},
+    "surface": {"coverage_percent": 97.5, "stations": [{"overclaimed_deg": 1.0}, {"overclaimed_deg": 4.0}]},
+    "axis": {"bow_difference_mm": -0.2},
+    "relief": {"largest_mm": 0.07, "missed": 1, "false": 2},
 }
 
 
@@ -95,14 +98,88 @@ def test_the_figures_of_a_case_are_those_of_its_evaluation(specs, tmp_path):
     run_suite(specs[:1], tmp_path / "out", SuiteOptions(seeds=(1,)), silent, Bench())
     (case,) = json.loads((tmp_path / "out" / "results.json").read_text())["cases"]
     assert case["mae_mm"] == pytest.approx(0.035)
-    assert case["mae_base_mm"] == pytest.approx((0.13 + 0.06) / 2)
+    assert case["stations"][0]["base_difference_mm"] == pytest.approx(0.13)  # no own base: its only diameter
     assert case["largest_mm"] == pytest.approx(0.04)
     assert case["within_2_sigma"] == 0.5
     assert case["sigma_over_rms"] == pytest.approx(0.015 / 0.0353553, rel=1e-5)
     assert case["focal_percent"] == 0.3
+    assert (case["height_mm"], case["relief_missed"], case["relief_false"], case["bow_mm"]) == (
+        0.07,
+        1,
+        2,
+        0.2,
+    )
+    assert (case["coverage_percent"], case["overclaimed_deg"]) == (97.5, 4.0)
     assert (case["seconds"], case["peak_memory_mb"], case["failure"]) == (12.0, 900.0, None)
-    text = (tmp_path / "out" / "results.md").read_text()
-    assert "| easy | 1 | 0.035 | 0.095 | 0.040 | 50 % | 0.4 | 0.30 | 97.5 | 12 | 900 |  |  |" in text
+    assert case["stations"][0]["truth_mm"] == 100.1
+    row = "| easy | 1 | 0.035 |  | 0.040 | 50 % | 0.4 | 0.30 | 0.070 | 0.200 | 97.5 | 4 | 12 | 900 |  |"
+    assert row in (tmp_path / "out" / "results.md").read_text()
+
+
+def test_on_a_cable_with_ribs_the_bare_sheath_counts(specs, tmp_path):
+    class Ribbed(Bench):
+        def _write(self, command):
+            super()._write(command)
+            if command[:2] == ["synth", "render"]:
+                truth = {**TRUTH, "spec": {"cable": {"fillet": {"height_mm": 2.0}}}}
+                (Path(command[3]) / "truth.json").write_text(json.dumps(truth))
+            if command[:2] == ["pipeline", "evaluate"]:
+                stations = [
+                    {**s, "base_model_mm": 100.01, "base_sigma_mm": 0.006}
+                    for s in EVALUATION["diameters"]["stations"]
+                ]
+                told = {**EVALUATION, "diameters": {"stations": stations}}
+                Path(command[-1]).write_text(json.dumps(told))
+
+    (case,) = run_suite(specs[:1], tmp_path / "out", SuiteOptions(seeds=(1,)), silent, Ribbed()).cases
+    found = figures([case])
+    assert (found.mae_mm, found.mae_mean_mm) == (pytest.approx(0.01), pytest.approx(0.035))
+    assert (found.within_1_sigma, found.within_2_sigma) == (0.0, 1.0)  # 0.01 against 0.006
+
+
+def test_several_calls_add_up_and_the_same_case_is_replaced(specs, tmp_path):
+    out = tmp_path / "out"
+    run_suite(specs[1:], out, SuiteOptions(seeds=(1,)), silent, Bench({("run", "hard"): "match: no; sorry."}))
+    run_suite(specs[:1], out, SuiteOptions(seeds=(2, 1)), silent, Bench())
+    cases = read_results(out).cases
+    assert [(c.scenario, c.seed) for c in cases] == [("easy", 1), ("easy", 2), ("hard", 1)]
+    assert cases[2].failure == "match: no; sorry."
+    assert len(run_suite(specs[1:], out, SuiteOptions(seeds=(1,)), silent, Bench()).cases) == 1
+    assert [(c.scenario, c.seed, c.failure) for c in read_results(out).cases][2] == ("hard", 1, None)
+    (out / "results.json").write_text('{"format": 1, "cases": []}')
+    with pytest.raises(StageError, match=r"results\.json cannot be added to \(format is 1"):
+        run_suite(specs, out, SuiteOptions(), silent, Bench())
+
+
+def test_a_case_is_the_same_after_it_was_written_and_read(specs, tmp_path):
+    options = SuiteOptions(seeds=(1,), stock=True)
+    results = run_suite(specs[:1], tmp_path / "out", options, silent, Bench())
+    (written,) = json.loads(json.dumps(results_json(results)))["cases"]
+    assert case_from_json(written) == results.cases[0]
+
+
+def test_a_run_is_kept_when_asked_unless_survey_or_run_are_others(specs, tmp_path):
+    out, keep = tmp_path / "out", SuiteOptions(seeds=(1,), stock=True, keep_runs=True)
+    folder = out / "easy" / "seed-1"
+
+    def steps():
+        bench = Bench()
+        (case,) = run_suite(specs[:1], out, keep, silent, bench).cases
+        assert (case.seconds, case.stock["seconds"]) == (12.0, 100.0)
+        return [
+            command[1] if command[0] != "pipeline.evaluate.stock_colmap" else "stock"
+            for command in bench.commands
+        ]
+
+    assert steps() == ["render", "run", "evaluate", "stock"]
+    assert steps() == ["render", "evaluate"]
+    (folder / "survey" / "survey.toml").write_text("other claims")
+    assert steps() == ["render", "run", "evaluate", "stock"]
+    (folder / "run" / "report.json").unlink()
+    assert steps() == ["render", "run", "evaluate"]
+    note = json.loads((folder / "made.json").read_text())
+    (folder / "made.json").write_text(json.dumps({**note, "program": "another"}))
+    assert steps() == ["render", "run", "evaluate"]
 
 
 def test_a_case_that_fails_is_named_and_the_others_go_on(specs, tmp_path):
@@ -145,7 +222,7 @@ def test_stock_colmap_gets_the_run_and_its_failure_is_no_failure_of_the_case(spe
     assert hard.failure is None
     assert hard.stock["failure"] == "mapper: no pair to start from; none."
     text = (tmp_path / "out" / "results.md").read_text()
-    assert "| 0.500 | 100 |" in text
+    assert "| 0.500 | 14.3 | 100 | 8.3 |" in text  # 0.5 mm against 0.035, 100 s against 12
     assert "Stock COLMAP failed:" in text
 
 
@@ -162,12 +239,20 @@ def test_bad_specifications_are_refused_before_anything_runs(specs, tmp_path):
     assert bench.commands == []
 
 
+def station(name, difference_mm, sigma_mm, truth_mm=100.0):
+    return StationFigures(
+        name=name,
+        truth_mm=truth_mm,
+        difference_mm=difference_mm,
+        sigma_mm=sigma_mm,
+        base_difference_mm=difference_mm,
+        base_sigma_mm=sigma_mm,
+    )
+
+
 def test_seeds_are_taken_together_for_a_scenario():
     def case(seed, *differences):
-        rows = [
-            StationFigures(name=str(i), difference_mm=d, base_difference_mm=d, sigma_mm=s)
-            for i, (d, s) in enumerate(differences)
-        ]
+        rows = [station(str(i), d, s) for i, (d, s) in enumerate(differences)]
         return Case(scenario="easy", seed=seed, stations=tuple(rows))
 
     cases = (case(1, (0.03, 0.02), (0.0, 0.02)), case(2, (-0.05, 0.02), (0.0, None)))
@@ -175,7 +260,8 @@ def test_seeds_are_taken_together_for_a_scenario():
     assert both.mae_mm == pytest.approx(0.02)
     assert both.rms_mm == pytest.approx((0.0034 / 4) ** 0.5)
     assert both.within_2_sigma == 0.5  # 0.05 is 2.5 sigmas, and no sigma is no excuse
-    assert "| easy | all | 0.020 | 0.020 | 0.050 | 50 % |" in results_markdown(Results(cases=cases))
+    assert both.within_1_sigma == 0.25
+    assert "| easy | all | 0.020 |  | 0.050 | 50 % |" in results_markdown(Results(cases=cases))
     assert figures([]).mae_mm is None
 
 

@@ -57,7 +57,7 @@ def test_stations_carry_the_mean_diameter():
 def test_the_radius_map_has_one_row_of_azimuths_per_position():
     radius = truth_of(SPEC)["radius_mm"]
     values = np.array(radius["values"])
-    assert values.shape == (len(radius["position_m"]), len(radius["theta_deg"])) == (101, 180)
+    assert values.shape == (len(radius["position_m"]), len(radius["theta_deg"])) == (101, 360)
     middle = radius["position_m"].index(pytest.approx(0.1))
     east, north = radius["theta_deg"].index(0.0), radius["theta_deg"].index(90.0)
     assert values[middle, east] == pytest.approx(55.5 + 0.1, abs=1e-6)  # mean of both stations, + ovality / 4
@@ -121,7 +121,7 @@ def test_truth_tells_the_axis_and_the_peak_of_every_defect():
     }
     radii_mm = np.array(truth["radius_mm"]["values"])  # about the local axis: the bow is not in them
     assert radii_mm.max() == pytest.approx(55.0 + 1.5, abs=1e-6)
-    assert radii_mm[:, 45].max() - radii_mm[:, 45].min() == pytest.approx(0.0, abs=1e-9)
+    assert radii_mm[:, 90].max() - radii_mm[:, 90].min() == pytest.approx(0.0, abs=1e-9)
 
 
 def test_where_two_defects_meet_the_truth_tells_what_they_make_together():
@@ -138,6 +138,12 @@ def test_a_principal_point_may_be_stated_off_by_a_share_of_the_width():
     block = tomllib.loads(survey_toml(Spec(survey=claim)))["block"][0]
     assert np.subtract(block["lens"]["principal_point_px"], (480.0, 300.0)) == pytest.approx([7.68, 5.76])
     assert truth_of(Spec(survey=claim))["lenses"]["Block1"]["principal_point_px"] == [480.0, 300.0]
+
+
+def test_the_travel_is_stated_with_a_sigma_only_where_one_is_claimed():
+    stated = tomllib.loads(survey_toml(Spec(survey=SurveyClaim(travel_sigma_mm=0.46))))["cable"]
+    assert stated["travel_sigma_mm"] == 0.46
+    assert "travel_sigma_mm" not in tomllib.loads(survey_toml(Spec()))["cable"]
 
 
 def test_a_lost_block_is_missing_in_the_survey_only():

@@ -1,0 +1,125 @@
+"""A grid of cells swept strip by strip, each strip against the frame that stands nearest.
+
+Takes a block's frames and orientation, and for each pass the cells, where to begin and what to try; gives
+what the sweep of every strip found, put together.  Memory: one strip and the frames that it sees.
+"""
+
+from collections import OrderedDict
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.cable.adjust import Orientation
+from pipeline.cable.sweep import FrameReader, Image, SweepGrid, SweepResult, sweep_strip
+from pipeline.core.events import Emit, Event
+from pipeline.core.vocabulary import Array, FrameSequence
+
+KEPT_FRAMES = 40
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepPass:
+    """One sweep over the whole block.
+
+    Attributes:
+        grid: the cells, (n, m).
+        start_m: (n, m) radius around which to search.
+        offsets_m: (k,) evenly spaced candidates to add.
+        window: side of the comparison window in cells, odd.
+        blur_px: frames are blurred so much.
+        detail_px: and their brightness is counted from surroundings so wide.
+        baseline_power: frames count with their baseline to this power.
+    """
+
+    grid: SweepGrid
+    start_m: Image
+    offsets_m: Array
+    window: int
+    blur_px: float
+    detail_px: float
+    baseline_power: float
+
+
+class Strips:
+    """Sweeps the grids of one block.
+
+    Args:
+        frames: original frames.
+        orientation: the adjusted block.
+        baselines_mm: distances to the frames compared with, on either side.
+        passes: how many sweeps there will be.
+        emit: progress, one event a strip.
+    """
+
+    def __init__(
+        self,
+        frames: FrameSequence,
+        orientation: Orientation,
+        baselines_mm: tuple[float, ...],
+        passes: int,
+        emit: Emit,
+    ) -> None:
+        self._frames, self._orientation, self._baselines_mm = frames, orientation, baselines_mm
+        self._passes, self._emit, self._done = passes, emit, 0
+        self._along = orientation.poses.centres[:, 1]
+        self._grey: OrderedDict[int, NDArray[np.uint8]] = OrderedDict()
+
+    def sweep(self, wanted: SweepPass) -> SweepResult:
+        """Sweep once."""
+        grid, shape = wanted.grid, wanted.start_m.shape
+        fields = ("radius_m", "score", "radius_ahead_m", "radius_behind_m")
+        whole = {f: np.full(shape, np.nan, dtype=np.float32) for f in fields}
+        reader = FrameReader(self._read, wanted.blur_px, wanted.detail_px, KEPT_FRAMES)
+        nearest = np.abs(grid.y_m[:, None] - self._along).argmin(axis=1)
+        halo = wanted.window // 2
+        for reference in range(len(self._along)):
+            self._tell()
+            rows = np.flatnonzero(nearest == reference)
+            if not len(rows):
+                continue
+            first, last = max(rows[0] - halo, 0), min(rows[-1] + halo + 1, shape[0])
+            found = sweep_strip(
+                reader,
+                self._orientation.lens,
+                self._orientation.poses,
+                reference,
+                self._neighbours(reference, 1),
+                self._neighbours(reference, -1),
+                SweepGrid(axis=grid.axis, azimuth=grid.azimuth, y_m=grid.y_m[first:last]),
+                wanted.start_m[first:last],
+                wanted.offsets_m,
+                wanted.window,
+                wanted.baseline_power,
+            )
+            for name, values in whole.items():
+                values[rows] = getattr(found, name)[rows - first]
+        return SweepResult(**whole)
+
+    def _tell(self) -> None:
+        total = self._passes * len(self._along)
+        self._emit(Event(stage="dense", block=self._frames.block, done=self._done, total=total))
+        self._done += 1
+
+    def _neighbours(self, reference: int, side: int) -> tuple[int, ...]:
+        """Frames about the wanted baselines away, on one side; much closer ones cannot tell the radius."""
+        here = self._along[reference]
+        least_m = 0.75 * min(self._baselines_mm) / 1000
+        chosen = []
+        for baseline_mm in self._baselines_mm:
+            frame = int(np.abs(self._along - (here + side * baseline_mm / 1000)).argmin())
+            if (self._along[frame] - here) * side > least_m and frame not in chosen:
+                chosen.append(frame)
+        return tuple(chosen)
+
+    def _read(self, frame: int) -> NDArray[np.uint8]:
+        """A grey frame; the latest stay in memory, for the next pass."""
+        if frame not in self._grey:
+            file = self._frames.files[frame]
+            image = cv2.imread(str(file), cv2.IMREAD_GRAYSCALE)
+            self._grey[frame] = np.asarray(image, dtype=np.uint8)
+            if len(self._grey) > KEPT_FRAMES:
+                self._grey.popitem(last=False)
+        self._grey.move_to_end(frame)
+        return self._grey[frame]

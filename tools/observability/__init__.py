@@ -1,0 +1,1 @@
+"""What a survey can tell of its focal length, shown on simulated measurements (docs/accuracy.md)."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from pipeline.core.division import project_with_jacobian
+from pipeline.core.division import BEND_UNIT_PX, project_with_jacobian
 from pipeline.core.errors import StageError
 from pipeline.core.rotations import cross_matrix, rotation_from_vector, vector_from_rotation
 from pipeline.core.vocabulary import Array
@@ -52,8 +52,8 @@ class BoardModel:
     def residuals(self, values: Array) -> tuple[Array, Array]:
         """Measured minus projected corners, pixels, and their Jacobian."""
         focal, cx, cy, division_lambda = values[:4]
-        per_unit = (focal / self.half_diagonal_px) ** 2
-        lens = np.array([focal, cx, cy, division_lambda * per_unit])
+        bend_per_lambda = (BEND_UNIT_PX / self.half_diagonal_px) ** 2
+        lens = np.array([focal, cx, cy, division_lambda * bend_per_lambda])
         poses = values[4:].reshape(-1, 6)
         count = 2 * len(self.board)
         jacobian = np.zeros((len(poses) * count, len(values)))
@@ -63,9 +63,7 @@ class BoardModel:
             pixels, per_point, per_lens = project_with_jacobian(lens, turned + pose[3:])
             rows = slice(i * count, (i + 1) * count)
             residuals[rows] = (corners - pixels).ravel()
-            # k = lambda (f / half-diagonal)^2 hangs on the focal length too
-            per_lens[:, :, 0] += per_lens[:, :, 3] * (2 * division_lambda * focal / self.half_diagonal_px**2)
-            per_lens[:, :, 3] *= per_unit
+            per_lens[:, :, 3] *= bend_per_lambda
             jacobian[rows, :4] = -per_lens.reshape(count, 4)
             per_turn = per_point @ -cross_matrix(turned)
             per_pose = np.concatenate([per_turn, per_point], axis=2).reshape(count, 6)

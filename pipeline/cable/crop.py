@@ -27,7 +27,7 @@ class CropOptions:
     """
 
     incidence_deg: float = field(default=62.0, metadata={"above": 0.0, "maximum": 85.0})
-    least_score: float = field(default=0.5, metadata={"minimum": 0.0, "maximum": 1.0})
+    least_score: float = field(default=0.2, metadata={"minimum": 0.0, "maximum": 1.0})
     fringe_mm: float = field(default=3.0, metadata={"minimum": 0.0})
 
 

@@ -6,7 +6,7 @@ cable, and the relief: the base below what stands proud or is dented, and what d
 fitted to distances, over the closed ring (design, fact 8), never algebraically.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -29,12 +29,16 @@ class MeasureOptions:
 
     Attributes:
         slice_mm: length of cable that a section averages over.
+        longest_slice_mm: where little can be seen, a station's slice is lengthened up to this.
+        wanted_coverage_deg: until the station is seen over this much.
         profile_mm: distance between the sections of the profile along the cable.
         bin_deg: width of the bins around the cable that a section is averaged in.
         least_coverage_deg: a station seen over less than this is not measured.
     """
 
     slice_mm: float = field(default=10.0, metadata={"above": 0.0})
+    longest_slice_mm: float = field(default=40.0, metadata={"above": 0.0})
+    wanted_coverage_deg: float = field(default=180.0, metadata={"above": 0.0, "maximum": 360.0})
     profile_mm: float = field(default=5.0, metadata={"above": 0.0})
     bin_deg: float = field(default=1.0, metadata={"above": 0.0, "maximum": 45.0})
     least_coverage_deg: float = field(default=90.0, metadata={"above": 0.0, "maximum": 360.0})
@@ -54,7 +58,7 @@ class Section:
         base_diameter_mm, base_sigma_mm: mean diameter of the base section, without what stands proud or is
             dented, and its standard deviation; NaN where too little was seen.
         min_mm, max_mm: axes of the fitted ellipse.
-        coverage_deg: angle around the cable that was seen.
+        coverage_deg: angle around the cable that was seen there, however long a slice the fit had to take.
         centre_mm: (2,) x and z of the circle's centre.
         points_mm: (k, 2) x and z of the section.
     """
@@ -128,7 +132,7 @@ def measure_ring(
         StageError: not a single station was seen well enough.
     """
     cutter = Cutter(blocks, crops, mosaic, ring, options.bin_deg)
-    spread = Spread(mosaic, ring, uncertainty)
+    spread = Spread(mosaic, ring, uncertainty, options.bin_deg)
     steps = len(stations) + 2
     emit(Event(stage="measure", done=0, total=steps))
     radius_mm = 1000.0 * np.where(ring.measured, ring.radius_m, np.nan).astype(np.float64)
@@ -136,11 +140,11 @@ def measure_ring(
     sections, unmeasured = [], []
     for number, (name, position) in enumerate(stations):
         emit(Event(stage="measure", done=number + 1, total=steps))
-        cut = cutter.cut(position, options.slice_mm)
+        cut, here_deg = _station_cut(cutter, position, options)
         if cut.coverage_deg < options.least_coverage_deg:
             unmeasured.append(name)
             continue
-        sections.append(_section(name, position, cut, spread, relief))
+        sections.append(replace(_section(name, position, cut, spread, relief), coverage_deg=here_deg))
     if not sections:
         raise StageError(
             "measure",
@@ -160,6 +164,20 @@ def measure_ring(
         unmeasured=tuple(unmeasured),
         relief=relief,
     )
+
+
+def _station_cut(cutter: Cutter, position_m: float, options: MeasureOptions) -> tuple[Cut, float]:
+    """The shortest slice, doubled from the wanted one, in which enough of the girth was seen; else the last.
+
+    And the angle that was seen in the wanted slice itself: that is what the station's coverage is.
+    """
+    length_mm = options.slice_mm
+    cut = cutter.cut(position_m, length_mm)
+    here_deg = cut.coverage_deg
+    while cut.coverage_deg < options.wanted_coverage_deg and 2 * length_mm <= options.longest_slice_mm:
+        length_mm *= 2
+        cut = cutter.cut(position_m, length_mm)
+    return cut, here_deg
 
 
 def _section(name: str, position: float, cut: Cut, spread: Spread, relief: Relief) -> Section:

@@ -38,6 +38,8 @@ class ReliefOptions:
         least_area_mm2: of a bulge or dent.
         smooth_mm: standard deviation of the Gaussian that features are looked for through.
         knots_mm: the base section bends along the cable over lengths like this.
+        widest_window_mm: where the surface was matched in wider windows, relief is not looked for: they
+            flatten it, and their noise looks like it.
         seed: of the samples that start the base section.
     """
 
@@ -46,6 +48,7 @@ class ReliefOptions:
     least_area_mm2: float = field(default=40.0, metadata={"above": 0.0})
     smooth_mm: float = field(default=1.5, metadata={"above": 0.0})
     knots_mm: float = field(default=25.0, metadata={"above": 0.0})
+    widest_window_mm: float = field(default=8.0, metadata={"above": 0.0})
     seed: int = 0
 
 
@@ -120,7 +123,7 @@ def find_relief(
     heights = base.heights_mm(azimuth, radius_mm)
     features: tuple[Feature, ...] = ()
     level = np.full(len(y_m), np.nan)
-    if np.isfinite(base.radius_mm).any():
+    if np.isfinite(base.radius_mm).any() and window_mm <= options.widest_window_mm:
         relief_map = HeightMap(
             azimuth=azimuth,
             y_mm=1000 * y_m,

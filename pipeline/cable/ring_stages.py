@@ -126,8 +126,7 @@ class RingStages(BlockStages):
         survey = self._survey
         stations = tuple((s.name, s.position_m) for s in survey.cable.stations)
         uncertainty = self._uncertainty()
-        cell_m = max(side for p in self.made["surface"] for side in p.value.cell_m)
-        window_mm = 1000 * cell_m * self._options.dense.window
+        window_mm = max(p.value.window_mm for p in self.made["dense"])
         return self._folder.product(
             "measure",
             Measurement,
@@ -158,6 +157,7 @@ class RingStages(BlockStages):
         ring: RingOrientation | None = self._value("joint") if self.made["joint"] else None
         return Uncertainty(
             noise_mm=tuple(p.value.noise_mm for p in self.made["dense"]),
+            window_mm=tuple(p.value.window_mm for p in self.made["dense"]),
             focal_shares=tuple(lens.focal_sigma_px / lens.focal_px for lens in lenses),
             travel_share=travel_share_sigma(self._survey.cable),
             together=None

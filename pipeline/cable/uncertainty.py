@@ -32,23 +32,26 @@ class Uncertainty:
 
     Attributes:
         noise_mm: of a cell's radius, one a block.
+        window_mm: side of the window that a cell was matched in, one a block: noise is alike over it.
         focal_shares: relative standard deviation of each block's focal length.
         travel_share: relative standard deviation of the travel: the scale of everything.
         together: from the joint adjustment; None where the blocks were adjusted alone.
     """
 
     noise_mm: tuple[float, ...]
+    window_mm: tuple[float, ...]
     focal_shares: tuple[float, ...]
     travel_share: float
     together: RingSigmas | None
 
 
 class Spread:
-    """Carries the blocks' uncertainty to a diameter."""
+    """Carries the blocks' uncertainty to a diameter, of slices cut into bins of ``bin_deg``."""
 
-    def __init__(self, mosaic: Mosaic, ring: Ring, uncertainty: Uncertainty) -> None:
+    def __init__(self, mosaic: Mosaic, ring: Ring, uncertainty: Uncertainty, bin_deg: float) -> None:
         self._mosaic, self._ring, self._known = mosaic, ring, uncertainty
-        self._noise_mm = np.asarray(uncertainty.noise_mm)
+        self._noise_mm, self._window_mm = np.asarray(uncertainty.noise_mm), np.asarray(uncertainty.window_mm)
+        self._bin_deg = bin_deg
         self._focal = np.asarray(uncertainty.focal_shares)
 
     def sigmas_mm(self, cut: Cut, circle: Circle) -> tuple[float, float, float]:
@@ -57,7 +60,7 @@ class Spread:
         design = np.column_stack([np.ones_like(angle), np.cos(angle), np.sin(angle)])
         weighted = design * cut.weights[:, None]
         gain = 2 * np.linalg.solve(weighted.T @ design, weighted.T)[0]  # of the diameter by radial shifts
-        image, travel = self._image(cut, gain), 2 * circle.radius * self._known.travel_share
+        image, travel = self._image(cut, gain, circle.radius), 2 * circle.radius * self._known.travel_share
         together = self._known.together
         if together is None:
             return image, float(np.hypot(self._scale(cut, gain, angle), travel)), self._lens(cut, gain)
@@ -66,10 +69,11 @@ class Spread:
         lens = float(np.interp(y_m, together.y_m, together.lens_mm))
         return image, float(np.sqrt(max(whole**2 - lens**2, 0.0) + travel**2)), lens
 
-    def _image(self, cut: Cut, gain: Array) -> float:
-        """Windows of the sweep overlap their neighbours: bins are taken as alike over about three."""
+    def _image(self, cut: Cut, gain: Array, radius_mm: float) -> float:
+        """Windows of the sweep overlap their neighbours: so many bins as a window covers are alike."""
         noise = self._noise_mm[cut.block]
-        return float(np.sqrt(3 * np.sum((gain * noise) ** 2)))
+        alike = np.maximum(self._window_mm[cut.block] / (np.deg2rad(self._bin_deg) * radius_mm), 1.0)
+        return float(np.sqrt(np.sum(alike * (gain * noise) ** 2)))
 
     def _scale(self, cut: Cut, gain: Array, angle: Array) -> float:
         placement, alignment = self._mosaic.placement, self._ring.alignment

@@ -36,8 +36,8 @@ lint: .venv/.ready ## check style and types
 	@$(PY) -m mypy
 	@$(PY) -m mypy -p tools.observability
 
-bench: .venv/.ready ## every scenario of specs/bench with several seeds (SEEDS="1 2 3"): hours
-	@$(PY) -m synth suite --seeds $(SEEDS) --out out/bench
+bench: .venv/.ready ## every scenario with several seeds (SEEDS="1 2 3") and stock COLMAP, to docs/benchmark.md: hours
+	@$(PY) -m synth suite --seeds $(SEEDS) --out out/bench --stock --keep-runs --docs docs
 
 clean: ## remove what demo, bench and the checks made; .venv stays
 	rm -rf out build .pytest_cache .mypy_cache .ruff_cache

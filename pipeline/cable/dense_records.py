@@ -46,7 +46,7 @@ class DenseOptions:
     baselines_mm: tuple[float, ...] = field(default=(40.0, 80.0, 100.0, 120.0), metadata={"above": 0.0})
     least_score: float = field(default=0.5, metadata={"minimum": 0.0, "maximum": 1.0})
     consistency_mm: float = field(default=0.35, metadata={"above": 0.0})
-    broad_below: float = field(default=0.8, metadata={"minimum": 0.0, "maximum": 1.0})
+    broad_below: float = field(default=0.7, metadata={"minimum": 0.0, "maximum": 1.0})
 
 
 @dataclass(frozen=True, kw_only=True)

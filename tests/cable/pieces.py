@@ -159,6 +159,7 @@ def measure(
     mosaic=None,
     stations=STATIONS,
     noise_mm=0.03,
+    window_mm=3.0,
     focal_share=0.0,
     travel_share=0.0,
     together=None,
@@ -175,6 +176,7 @@ def measure(
         ring or join(blocks, crops, mosaic, cell_mm=4.0, texel_mm=8.0),
         Uncertainty(
             noise_mm=(noise_mm,) * len(blocks),
+            window_mm=(window_mm,) * len(blocks),
             focal_shares=(focal_share,) * len(blocks),
             travel_share=travel_share,
             together=together,

@@ -29,6 +29,7 @@ def dense_map(height_mm=cable_mm, noise_mm=0.0, seed=0):
         radius_m=((height_mm(a, y) + noise) / 1000).astype(np.float32),
         score=np.full(a.shape, 0.9, dtype=np.float32),
         noise_mm=noise_mm,
+        window_mm=3.0,
         ground_sample_mm=CELL_MM,
         coverage=1.0,
     )

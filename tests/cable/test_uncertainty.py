@@ -10,10 +10,22 @@ from tests.cable import pieces
 
 def test_more_noise_means_more_sigma_and_ten_times_the_points_less():
     blocks, crops = pieces.ring()
-    quiet, loud = (pieces.measure(blocks, crops, noise_mm=n).sections[1] for n in (0.03, 0.3))
+    bin_mm = np.deg2rad(1.0) * 55
+    quiet, loud = (
+        pieces.measure(blocks, crops, noise_mm=n, window_mm=3 * bin_mm).sections[1] for n in (0.03, 0.3)
+    )
     assert loud.sigma_image_mm == pytest.approx(10 * quiet.sigma_image_mm)
     # 480 bins of which three are alike, each worth 0.03 mm of radius: 2 * 0.03 sqrt(3 / 480), overlaps aside
     assert quiet.sigma_image_mm == pytest.approx(2 * 0.03 * np.sqrt(3 / 480), rel=0.25)
+
+
+def test_wide_windows_make_neighbours_alike_so_that_they_say_less():
+    blocks, crops = pieces.ring()
+    narrow, wide = (
+        pieces.measure(blocks, crops, noise_mm=0.1, window_mm=w).sections[1].sigma_image_mm
+        for w in (3.0, 27.0)
+    )
+    assert wide == pytest.approx(3 * narrow, rel=1e-6)
 
 
 def test_the_scale_of_the_travel_is_the_scale_of_the_diameter():

@@ -107,7 +107,8 @@ class TestWithoutLensCorrection:
     def test_the_diameters_are_at_least_five_times_worse(self, bent, report):
         straight_mm, bent_mm = (r["truth"]["mean_absolute_error_mm"] for r in (report, bent))
         assert bent_mm > 5 * straight_mm
-        assert 0.5 < bent_mm < 80
+        # large residuals loosen the tie points, so that the robot's priors keep the worst away
+        assert 0.2 < bent_mm < 80
 
     def test_the_report_says_so(self, bent):
         assert any("correction was switched off" in said for said in bent["warnings"])

@@ -14,7 +14,7 @@ from tests.command import ROOT, Command, pipeline, synth
 RENDERED = "CABLETWIN_TEST_SURVEY"
 """Environment variable: a folder that ``python -m synth render specs/gate/paper.toml`` has filled already."""
 
-# a shell that starts us in the background has Ctrl-C ignored, by us and by every command that a test interrupts
+# a shell that starts us in the background has Ctrl-C ignored, by us and by every command a test interrupts
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 

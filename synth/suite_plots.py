@@ -80,7 +80,7 @@ def write_sigma_plot(results: Results, path: Path) -> None:
     right.hist(np.minimum(everything, MOST_SIGMAS - 1e-9), edges, weights=weights, color=BLUE, alpha=0.75)
     at = np.linspace(0.0, MOST_SIGMAS, 200)
     right.plot(at, HALF_NORMAL * np.exp(-(at**2) / 2.0), color="black", lw=1.6, label="if sigma were exact")
-    right.set_xlabel("|error| / sigma, all stations  (last bar: beyond)")
+    right.set_xlabel("|error| / sigma, all stations")
     right.margins(y=0.18)
     right.set_yticks([])
     right.legend(frameon=False, fontsize=8)

@@ -151,9 +151,7 @@ def measure_ring(
             "no station was seen well enough to be measured",
             "place stations where the cameras passed, and check angle_deg of every block",
         )
-    profile_y = np.arange(0.0, travel_m + 1e-9, options.profile_mm / 1000)
-    rows = [_profile_row(cutter.cut(y, options.profile_mm), spread, options) for y in profile_y]
-    profile = np.array(rows)
+    profile_y, profile = _profile(cutter, spread, travel_m, options)
     return Measurement(
         sections=tuple(sections),
         profile_y_m=profile_y,
@@ -205,6 +203,13 @@ def _section(name: str, position: float, cut: Cut, spread: Spread, relief: Relie
         centre_mm=circle.centre,
         points_mm=flat,
     )
+
+
+def _profile(cutter: Cutter, spread: Spread, travel_m: float, options: MeasureOptions) -> tuple[Array, Array]:
+    """Places along the cable (n,), metres, and the rows of the profile there (n, 4)."""
+    y_m = np.arange(0.0, travel_m + 1e-9, options.profile_mm / 1000)
+    rows = [_profile_row(cutter.cut(y, options.profile_mm), spread, options) for y in y_m]
+    return y_m, np.array(rows)
 
 
 def _profile_row(cut: Cut, spread: Spread, options: MeasureOptions) -> tuple[float, float, float, float]:

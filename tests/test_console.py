@@ -7,8 +7,9 @@ import pytest
 
 from pipeline import console
 from pipeline.cable.run import STAGES
-from pipeline.console import SHARES, emitter
+from pipeline.console import emitter
 from pipeline.core.events import Event
+from pipeline.progress import SHARES
 
 BLOCKS = ("Block1", "Block2")
 
@@ -71,6 +72,18 @@ def test_every_event_is_one_line_of_json(capsys):
         {"stage": "run", "done": 0, "total": 1, "block": "", "message": "Brücke\nfertig"},
     ]
     assert "Brücke" in captured.err
+
+
+@pytest.mark.parametrize("stream", [io.StringIO, Terminal])
+def test_what_a_finished_stage_has_to_say_is_a_line_of_its_own(clock, monkeypatch, stream):
+    shown = stream()
+    emit = bar(monkeypatch, shown)
+    emit(Event(stage="joint", done=0, total=2, message="half way"))
+    emit(Event(stage="joint", done=1, total=1, message="Block2 looks odd."))
+    emit(Event(stage="dense", done=1, total=1))
+    lines = shown.getvalue().split("\n")
+    assert lines[-3] == "note: Block2 looks odd."
+    assert len([line for line in lines if "note" in line]) == 1
 
 
 def test_nothing_is_told_where_nothing_is_wanted(capsys):

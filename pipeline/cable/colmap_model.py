@@ -4,19 +4,25 @@ Takes frames and their adjusted orientation; writes cameras, images and points w
 """
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import cv2  # noqa: F401 - before pycolmap: the other way round the two libraries' PNG writers collide
 import numpy as np
-import pycolmap
 
 from pipeline.cable.adjust import Orientation
 from pipeline.core.division import parameters
 from pipeline.core.files import replacing
 from pipeline.core.vocabulary import FrameSequence
 
+if TYPE_CHECKING:
+    import pycolmap
+
 
 def write_sparse_model(folder: Path, frames: FrameSequence, orientation: Orientation) -> None:
     """Write the adjusted block in COLMAP's format: one SIMPLE_DIVISION camera, images, points with tracks."""
+    # here and not above: whoever only reads products (Blender) must not load pycolmap
+    import cv2  # noqa: F401 - before pycolmap: the other way round the two libraries' PNG writers collide
+    import pycolmap
+
     lens = orientation.lens
     model = pycolmap.Reconstruction()
     camera = pycolmap.Camera(
@@ -41,7 +47,9 @@ def write_sparse_model(folder: Path, frames: FrameSequence, orientation: Orienta
         model.write_binary(str(temporary))
 
 
-def _add_points(model: pycolmap.Reconstruction, orientation: Orientation, rows: list[np.ndarray]) -> None:
+def _add_points(model: "pycolmap.Reconstruction", orientation: Orientation, rows: list[np.ndarray]) -> None:
+    import pycolmap
+
     place = np.concatenate([np.arange(len(r)) for r in rows])
     order = np.concatenate(rows)
     by_point = order[np.argsort(orientation.point[order], kind="stable")]

@@ -8,9 +8,7 @@ and consistency mean the same as in the sweep.
 import shutil
 from pathlib import Path
 
-import cv2  # noqa: F401 - before pycolmap: the other way round the two libraries' PNG writers collide
 import numpy as np
-import pycolmap
 
 from pipeline.cable.adjust import Orientation
 from pipeline.cable.colmap_model import write_sparse_model
@@ -30,6 +28,10 @@ def match_patches(
     Raises:
         StageError: this pycolmap has no CUDA.
     """
+    # here and not above: whoever only reads products (Blender) must not load pycolmap
+    import cv2  # noqa: F401 - before pycolmap: the other way round the two libraries' PNG writers collide
+    import pycolmap
+
     if not pycolmap.has_cuda:
         raise StageError(
             "dense",

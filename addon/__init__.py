@@ -1,0 +1,31 @@
+"""CableTwin inside Blender: gathers what a person says, calls the pipeline, and shows what it found.
+
+The rooms, in the order in which they are registered:
+
+- ``translations``: English to Simplified Chinese, by area;
+- ``preferences``: what belongs to the person and not to a survey;
+- ``properties``: the state, one group for each area, all under ``Scene.cabletwin``; the job that runs
+  under ``WindowManager.cabletwin_job``;
+- ``operators``: what a button does, by area; thin;
+- ``panels``: the sidebar tab, by area, in the order of the work.
+
+Beside them: ``gather`` and ``apply`` turn properties into the pipeline's records and back, ``jobs`` runs the
+command line in a process of its own, ``results`` builds the datablocks, ``library`` knows where the staged
+pipeline and the bundled wheels lie.  No algorithm is here: those are in ``pipeline``.
+"""
+
+from . import operators, panels, preferences, properties, translations
+
+_ROOMS = (translations, preferences, properties, operators, panels)
+
+
+def register() -> None:
+    """Add everything to Blender."""
+    for room in _ROOMS:
+        room.register()
+
+
+def unregister() -> None:
+    """Take everything out again, in reverse."""
+    for room in reversed(_ROOMS):
+        room.unregister()

@@ -1,0 +1,161 @@
+"""Operators that start a process and look after it, whatever it does.
+
+``invoke`` follows the process with a timer while Blender stays alive; ``execute`` waits for it, for scripts
+and tests.  Both show the same progress and end the same way.
+"""
+
+import time
+
+import bpy
+
+from pipeline.core.errors import StageError
+from pipeline.progress import Progress
+
+from ..jobs import Job
+from .base import Operator
+
+TICK_S = 0.2
+
+GRACE_S = 1.5
+"""A job that was asked to stop and still runs after this is ended."""
+
+INTERRUPTED = 130
+
+
+class Follower:
+    """A job and what the window manager shows of it."""
+
+    def __init__(self, job: Job, blocks: tuple[str, ...], shown: bpy.types.PropertyGroup) -> None:
+        self.job, self.shown = job, shown
+        self._progress = Progress(blocks)
+        self._asked: float | None = None
+
+    def tick(self) -> bool:
+        """Show what is new; False when the job has ended."""
+        running = self.job.running()
+        for event in self.job.events():
+            self._progress.take(event)
+            self.shown.stage, self.shown.block = event.stage, event.block
+        self.shown.fraction = self._progress.fraction
+        left = self._progress.seconds_left
+        self.shown.seconds_left = -1 if left is None else left
+        if running and self.shown.cancelling:
+            self._cancel()
+        return running
+
+    def _cancel(self) -> None:
+        now = time.monotonic()
+        if self._asked is None:
+            self._asked = now
+            self.job.stop()
+        elif now - self._asked > GRACE_S:
+            self.job.kill()
+
+
+class JobOperator(Operator):
+    """An operator that runs a job; not registered itself.  Derived classes say which, and what comes then."""
+
+    kind = ""
+    _follower: Follower | None = None
+    _timer: bpy.types.Timer | None = None
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """One job at a time."""
+        if context.window_manager.cabletwin_job.running:
+            cls.poll_message_set("A job is running")
+            return False
+        return True
+
+    def start(self, context: bpy.types.Context) -> tuple[Job, tuple[str, ...]]:
+        """Start the job.
+
+        Returns:
+            The job and the names of the blocks that its events may carry.
+
+        Raises:
+            StageError: it cannot be started.
+        """
+        raise NotImplementedError
+
+    def finished(self, context: bpy.types.Context, scene: bpy.types.Scene) -> None:
+        """Take over what the job made, for the scene that it was started from."""
+        raise NotImplementedError
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Start and wait."""
+        try:
+            follower = self._follow(context)
+        except StageError as error:
+            return self._refuse(error)
+        while follower.tick():
+            time.sleep(TICK_S)
+        return self._end(context, follower)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Start and follow."""
+        try:
+            self._follower = self._follow(context)
+        except StageError as error:
+            return self._refuse(error)
+        manager = context.window_manager
+        self._timer = manager.event_timer_add(TICK_S, window=context.window)
+        manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Look after the job on each tick; ESC asks it to stop."""
+        follower = self._follower
+        if follower is None:
+            return {"CANCELLED"}
+        if event.type == "ESC" and event.value == "PRESS":
+            follower.shown.cancelling = True
+            return {"RUNNING_MODAL"}
+        if event.type != "TIMER" or follower.tick():
+            return {"PASS_THROUGH"}
+        context.window_manager.event_timer_remove(self._timer)
+        return self._end(context, follower)
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Blender goes on to another file or ends: so does the job."""
+        if self._follower is not None:
+            self._follower.job.kill()
+            context.window_manager.event_timer_remove(self._timer)
+            clear(self._follower.shown)
+
+    def _refuse(self, error: StageError) -> set[str]:
+        self.report({"ERROR"}, str(error))
+        return {"CANCELLED"}
+
+    def _follow(self, context: bpy.types.Context) -> Follower:
+        job, blocks = self.start(context)
+        shown = context.window_manager.cabletwin_job
+        clear(shown)
+        shown.running, shown.kind, shown.scene, shown.log = True, self.kind, context.scene.name, str(job.log)
+        return Follower(job, blocks, shown)
+
+    def _end(self, context: bpy.types.Context, follower: Follower) -> set[str]:
+        outcome, shown = follower.job.outcome(), follower.shown
+        cancelled = shown.cancelling or outcome.code == INTERRUPTED
+        clear(shown)
+        if outcome.code and not cancelled:
+            shown.failure = outcome.failure
+            self.report({"ERROR"}, outcome.failure)
+            return {"CANCELLED"}
+        if outcome.code:
+            self.report({"INFO"}, "Cancelled: what is finished is kept")
+            return {"CANCELLED"}
+        scene = bpy.data.scenes.get(shown.scene)
+        if scene is None:
+            return {"FINISHED"}
+        try:
+            self.finished(context, scene)
+        except StageError as error:
+            return self._refuse(error)
+        return {"FINISHED"}
+
+
+def clear(shown: bpy.types.PropertyGroup) -> None:
+    """Nothing runs."""
+    for key in ("running", "cancelling", "stage", "block", "fraction", "seconds_left", "failure"):
+        shown.property_unset(key)

@@ -1,0 +1,226 @@
+"""Operators of the survey: new, open, save; blocks and stations in their lists."""
+
+from pathlib import Path
+
+import bpy
+from bpy_extras.io_utils import ExportHelper, ImportHelper
+
+from pipeline.cable.survey import survey_from, write_survey
+
+from ..apply import open_survey, remember
+from ..gather import survey_path, survey_values
+from ..properties.survey import add_block
+from ..results.sketch import refresh_sketch
+from .base import Operator
+
+_UNDOABLE = {"REGISTER", "UNDO"}
+
+
+class CABLETWIN_OT_survey_new(Operator):
+    """Start a survey with a ring of cameras at equal angles."""
+
+    bl_idname = "cabletwin.survey_new"
+    bl_label = "New Survey"
+    bl_description = "Start a survey with a ring of cameras at equal angles"
+    bl_options = _UNDOABLE
+
+    cameras: bpy.props.IntProperty(
+        name="Cameras", description="Cameras around the cable", default=4, min=1, max=16
+    )
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Ask for the number of cameras."""
+        return context.window_manager.invoke_props_dialog(self)
+
+    def work(self, context: bpy.types.Context) -> None:
+        """Empty the survey and lay out the ring."""
+        scene = context.scene
+        survey = scene.cabletwin.survey
+        survey.blocks.clear()
+        survey.stations.clear()
+        for key in ("filepath", "written", "name", "travel", "travel_sigma_mm", "use_diameter", "diameter"):
+            survey.property_unset(key)
+        for key in ("standoff", "synchronised"):
+            survey.property_unset(key)
+        for _ in range(self.cameras):
+            add_block(survey, self.cameras)
+        survey.block_index = 0
+        refresh_sketch(scene)
+
+
+class CABLETWIN_OT_survey_open(Operator, ImportHelper):
+    """Read a survey.toml into this scene."""
+
+    bl_idname = "cabletwin.survey_open"
+    bl_label = "Open Survey"
+    bl_description = "Read a survey.toml into this scene"
+    bl_options = _UNDOABLE
+
+    filename_ext = ".toml"
+    filter_glob: bpy.props.StringProperty(default="*.toml", options={"HIDDEN"})
+
+    def work(self, context: bpy.types.Context) -> None:
+        """Read it; the run folder beside it is proposed."""
+        path = Path(bpy.path.abspath(self.filepath))
+        open_survey(context.scene, path)
+        context.scene.cabletwin.run.folder = str(path.parent / "run")
+        refresh_sketch(context.scene)
+
+
+class CABLETWIN_OT_survey_save(Operator, ExportHelper):
+    """Write the survey to its file."""
+
+    bl_idname = "cabletwin.survey_save"
+    bl_label = "Save Survey"
+    bl_description = "Write this scene's survey to survey.toml"
+    bl_options = {"REGISTER"}
+
+    filename_ext = ".toml"
+    filter_glob: bpy.props.StringProperty(default="*.toml", options={"HIDDEN"})
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Save where it lies; ask only the first time or with Shift held."""
+        known = context.scene.cabletwin.survey.filepath
+        self.filepath = bpy.path.abspath(known) if known else "survey.toml"
+        if known and not event.shift:
+            return self.execute(context)
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def work(self, context: bpy.types.Context) -> None:
+        """Check it as a file is checked, then write."""
+        save_survey(context.scene, Path(bpy.path.abspath(self.filepath)))
+
+
+class CABLETWIN_OT_survey_block_add(Operator):
+    """Add a camera to the ring."""
+
+    bl_idname = "cabletwin.survey_block_add"
+    bl_label = "Add Block"
+    bl_description = "Add a camera, a quarter turn on from the last one"
+    bl_options = _UNDOABLE
+
+    def work(self, context: bpy.types.Context) -> None:
+        """Append it and show it."""
+        add_block(context.scene.cabletwin.survey)
+        refresh_sketch(context.scene)
+
+
+class CABLETWIN_OT_survey_block_remove(Operator):
+    """Take the shown camera out of the ring."""
+
+    bl_idname = "cabletwin.survey_block_remove"
+    bl_label = "Remove Block"
+    bl_description = "Take the chosen camera out of the survey"
+    bl_options = _UNDOABLE
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """There must be one."""
+        return context.scene.cabletwin.survey.block() is not None
+
+    def work(self, context: bpy.types.Context) -> None:
+        """Remove it and show the one before."""
+        survey = context.scene.cabletwin.survey
+        survey.blocks.remove(survey.block_index)
+        survey.block_index = max(min(survey.block_index, len(survey.blocks) - 1), 0)
+        refresh_sketch(context.scene)
+
+
+class CABLETWIN_OT_survey_station_add(Operator):
+    """Add a station."""
+
+    bl_idname = "cabletwin.survey_station_add"
+    bl_label = "Add Station"
+    bl_description = "Add a place where the diameter is wanted, in the middle of the travel or 50 mm on"
+    bl_options = _UNDOABLE
+
+    def work(self, context: bpy.types.Context) -> None:
+        """Append it and show it."""
+        survey = context.scene.cabletwin.survey
+        places = [s.position for s in survey.stations]
+        station = survey.stations.add()
+        number = len(places) + 1
+        while f"S{number}" in survey.stations:
+            number += 1
+        station.name = f"S{number}"
+        station.position = min(max(places) + 0.05, survey.travel) if places else survey.travel / 2
+        survey.station_index = len(places)
+        refresh_sketch(context.scene)
+
+
+class CABLETWIN_OT_survey_station_remove(Operator):
+    """Take the shown station out."""
+
+    bl_idname = "cabletwin.survey_station_remove"
+    bl_label = "Remove Station"
+    bl_description = "Take the chosen station out of the survey"
+    bl_options = _UNDOABLE
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """There must be one."""
+        survey = context.scene.cabletwin.survey
+        return 0 <= survey.station_index < len(survey.stations)
+
+    def work(self, context: bpy.types.Context) -> None:
+        """Remove it and show the one before."""
+        survey = context.scene.cabletwin.survey
+        survey.stations.remove(survey.station_index)
+        survey.station_index = max(min(survey.station_index, len(survey.stations) - 1), 0)
+        refresh_sketch(context.scene)
+
+
+class CABLETWIN_OT_survey_lens_to_all(Operator):
+    """Give every block the lens of the shown one."""
+
+    bl_idname = "cabletwin.survey_lens_to_all"
+    bl_label = "Copy Lens to All Blocks"
+    bl_description = "Give every camera the lens of the chosen one"
+    bl_options = _UNDOABLE
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """There must be one to copy."""
+        return context.scene.cabletwin.survey.block() is not None
+
+    def work(self, context: bpy.types.Context) -> None:
+        """Copy each lens property."""
+        survey = context.scene.cabletwin.survey
+        shown = survey.block()
+        for block in survey.blocks:
+            for key in LENS_KEYS:
+                setattr(block, key, getattr(shown, key))
+
+
+LENS_KEYS = (
+    *("focal_in", "focal_px", "focal_mm", "sensor_width_mm", "use_principal_point", "principal_point_px"),
+    *("lambda_known", "division_lambda", "lambda_radius", "calibrated"),
+)
+
+
+def save_survey(scene: bpy.types.Scene, path: Path) -> None:
+    """Check the scene's survey and write it to ``path``, which becomes its place.
+
+    Raises:
+        StageError: what a survey file would be refused for, or the place cannot be written.
+    """
+    survey = scene.cabletwin.survey
+    values = survey_from(survey_values(survey), path.parent)
+    write_survey(values, path)
+    survey.filepath = str(path)
+    remember(survey, values, path)
+    if not scene.cabletwin.run.folder:
+        scene.cabletwin.run.folder = str(survey_path(survey).parent / "run")
+
+
+classes = (
+    CABLETWIN_OT_survey_new,
+    CABLETWIN_OT_survey_open,
+    CABLETWIN_OT_survey_save,
+    CABLETWIN_OT_survey_block_add,
+    CABLETWIN_OT_survey_block_remove,
+    CABLETWIN_OT_survey_station_add,
+    CABLETWIN_OT_survey_station_remove,
+    CABLETWIN_OT_survey_lens_to_all,
+)

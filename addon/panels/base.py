@@ -1,0 +1,86 @@
+"""What all panels share: their place in the sidebar, and a few ways to draw."""
+
+import bpy
+
+LINE = 44
+"""Characters of a wrapped line in a sidebar of usual width."""
+
+
+class Panel(bpy.types.Panel):
+    """A panel in the 3D view's tab *CableTwin*; not registered itself."""
+
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "CableTwin"
+    bl_options = {"DEFAULT_CLOSED"}
+
+
+class RowList(bpy.types.UIList):
+    """A list that draws each item as one row; not registered itself."""
+
+    def draw_item(
+        self,
+        context: bpy.types.Context,
+        layout: bpy.types.UILayout,
+        data: bpy.types.AnyType,
+        item: bpy.types.PropertyGroup,
+        icon: int,
+        active_data: bpy.types.AnyType,
+        active_property: str,
+        index: int = 0,
+        flt_flag: int = 0,
+    ) -> None:
+        """Blender's own signature."""
+        self.draw_row(layout.row(), item)
+
+    def draw_row(self, row: bpy.types.UILayout, item: bpy.types.PropertyGroup) -> None:
+        """Draw the item."""
+        raise NotImplementedError
+
+
+def aligned(layout: bpy.types.UILayout) -> bpy.types.UILayout:
+    """A column of settings with their names on the left, as in Blender's own panels."""
+    column = layout.column()
+    column.use_property_split = True
+    column.use_property_decorate = False
+    return column
+
+
+def sentence(layout: bpy.types.UILayout, text: str, icon: str = "NONE") -> None:
+    """A sentence over as many lines as it needs."""
+    column = layout.column(align=True)
+    column.scale_y = 0.8
+    for number, line in enumerate(wrapped(text)):
+        column.label(
+            text=line, icon=icon if number == 0 else "BLANK1" if icon != "NONE" else "NONE", translate=False
+        )
+
+
+def wrapped(text: str, width: int = LINE) -> list[str]:
+    """Lines of at most ``width`` half-width characters; a Chinese one counts as two and may end a line."""
+    lines, line, used = [], "", 0
+    for word in _pieces(text):
+        size = sum(1 + _wide(c) for c in word)
+        if line and used + size > width:
+            lines.append(line.rstrip())
+            line, used = "", 0
+            word, size = word.lstrip(), len(word.lstrip())
+        line, used = line + word, used + size
+    return [*lines, line.rstrip()] if line.strip() else lines
+
+
+def _pieces(text: str) -> list[str]:
+    """Words with the space before them, parts of paths, and single Chinese characters."""
+    pieces: list[str] = []
+    for char in text:
+        last = pieces[-1][-1] if pieces else " "
+        if not pieces or char == " " or _wide(char) or _wide(last) or last in "/\\":
+            pieces.append(char)
+        else:
+            pieces[-1] += char
+    return pieces
+
+
+def _wide(char: str) -> bool:
+    """Chinese characters and their punctuation."""
+    return ord(char) > 0x2E7F

@@ -1,0 +1,59 @@
+"""The panel *Reconstruct*: run, progress, cancel, and what went wrong."""
+
+import bpy
+from bpy.app.translations import pgettext_iface as translated
+
+from ..properties.run import STAGES
+from .base import Panel, aligned, sentence
+
+_STAGE_NAMES = {name: label for name, label, _ in STAGES}
+
+
+class CABLETWIN_PT_reconstruct(Panel):
+    """Reconstruct."""
+
+    bl_idname = "CABLETWIN_PT_reconstruct"
+    bl_label = "Reconstruct"
+    bl_order = 3
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Settings and the button, or the progress of what runs."""
+        job, run = context.window_manager.cabletwin_job, context.scene.cabletwin.run
+        settings = aligned(self.layout)
+        settings.enabled = not job.running
+        settings.prop(run, "folder")
+        settings.prop(run, "adjust")
+        if job.running:
+            draw_progress(self.layout, job)
+        else:
+            row = self.layout.row()
+            row.scale_y = 1.4
+            row.operator("cabletwin.reconstruct_run", icon="PLAY")
+            row = self.layout.row(align=True)
+            row.operator("cabletwin.reconstruct_run", text="Again from", icon="FILE_REFRESH").again = True
+            row.prop(run, "start", text="")
+        if job.failure:
+            sentence(self.layout.box(), job.failure, "ERROR")
+        if job.log:
+            self.layout.operator("cabletwin.reconstruct_log", icon="TEXT")
+
+
+def draw_progress(layout: bpy.types.UILayout, job: bpy.types.PropertyGroup) -> None:
+    """A bar with stage and time left, and the way to stop."""
+    stage = translated(_STAGE_NAMES.get(job.stage, job.stage)) if job.stage else translated("Starting")
+    where = f"{stage} · {job.block}" if job.block else stage
+    layout.progress(factor=job.fraction, text=f"{round(100 * job.fraction)} %  {where}", type="BAR")
+    row = layout.row()
+    if job.cancelling:
+        row.label(text="Cancelling", icon="CANCEL")
+        return
+    left = job.seconds_left
+    if left >= 0:
+        row.label(
+            text=translated("About {} left").format(f"{int(left // 60)}:{int(left % 60):02d}"),
+            translate=False,
+        )
+    row.operator("cabletwin.reconstruct_cancel", icon="CANCEL")
+
+
+classes = (CABLETWIN_PT_reconstruct,)

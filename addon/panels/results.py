@@ -1,0 +1,64 @@
+"""The panel *Results*: what a run folder holds, collection by collection."""
+
+import bpy
+from bpy.app.translations import pgettext_iface as translated
+
+from ..results import collections
+from .base import Panel, sentence
+
+
+class CABLETWIN_PT_results(Panel):
+    """Results."""
+
+    bl_idname = "CABLETWIN_PT_results"
+    bl_label = "Results"
+    bl_order = 4
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Open, show and hide, figures of the blocks."""
+        scene = context.scene
+        results = scene.cabletwin.results
+        row = self.layout.row(align=True)
+        row.operator("cabletwin.results_choose", text="Open Folder", icon="FILE_FOLDER")
+        again = row.row(align=True)
+        again.enabled = bool(scene.cabletwin.run.folder)
+        again.operator("cabletwin.results_open", text="Reload", icon="FILE_REFRESH")
+        if not results.blocks:
+            self.layout.label(text="Nothing is shown yet", icon="INFO")
+            return
+        _switches(self.layout, context)
+        _blocks(self.layout, results)
+        for warning in filter(None, results.warnings.split("\n")):
+            sentence(self.layout.box(), warning, "ERROR")
+
+
+def _switches(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """One line for each collection: its eye and how much is in it."""
+    column = layout.column(align=True)
+    for kind in collections.KINDS:
+        found = collections.existing(context.scene, kind)
+        if found is None or not found.objects:
+            continue
+        layer = collections.view_layer_collection(context.view_layer, found)
+        if layer is None:
+            continue
+        row = column.row(align=True)
+        row.prop(layer, "hide_viewport", text="", emboss=False)
+        row.label(text=kind)
+        row.label(text=str(len(found.objects)), translate=False)
+
+
+def _blocks(layout: bpy.types.UILayout, results: bpy.types.PropertyGroup) -> None:
+    """A table: block, frames calibrated, reprojection error."""
+    box = layout.box()
+    head = box.row()
+    for text in ("Block", "Calibrated", "Error (px)"):
+        head.label(text=text)
+    for block in results.blocks:
+        row = box.row()
+        row.label(text=block.name, translate=False)
+        row.label(text=translated("{} of {}").format(block.calibrated, block.images), translate=False)
+        row.label(text=f"{block.reprojection_px:.3f}" if block.reprojection_px >= 0 else "–", translate=False)
+
+
+classes = (CABLETWIN_PT_results,)

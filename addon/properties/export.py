@@ -1,0 +1,10 @@
+"""State of the area *export*."""
+
+import bpy
+
+
+class CableTwinExport(bpy.types.PropertyGroup):
+    """Nothing yet."""
+
+
+classes = (CableTwinExport,)

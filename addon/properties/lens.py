@@ -1,0 +1,10 @@
+"""State of the area *lens*."""
+
+import bpy
+
+
+class CableTwinLens(bpy.types.PropertyGroup):
+    """Nothing yet."""
+
+
+classes = (CableTwinLens,)

@@ -1,0 +1,68 @@
+"""The collections of a survey: one under the scene, with one child for each kind of thing.
+
+A collection is found by what it says of itself and not by its name, which a person may change.
+"""
+
+import bpy
+
+ROOT = "CableTwin"
+SETUP, SPARSE, CAMERAS, DENSE, BLOCKS, MOSAIC, STATIONS, PAIRS = KINDS = (
+    *("Setup", "Sparse points", "Cameras", "Dense cloud", "Block meshes", "Mosaic", "Stations", "Pairs"),
+)
+_KEY = "cabletwin_kind"
+
+
+def collection(scene: bpy.types.Scene, kind: str) -> bpy.types.Collection:
+    """The scene's collection of that kind; made where it is not there yet."""
+    return _child(_child(scene.collection, ROOT), kind)
+
+
+def existing(scene: bpy.types.Scene, kind: str) -> bpy.types.Collection | None:
+    """The scene's collection of that kind, or None."""
+    root = _find(scene.collection, ROOT)
+    return None if root is None else _find(root, kind)
+
+
+def emptied(scene: bpy.types.Scene, kind: str) -> bpy.types.Collection:
+    """The collection of that kind with nothing in it; what only it held is freed."""
+    found = collection(scene, kind)
+    for item in list(found.objects):
+        remove(item)
+    return found
+
+
+def remove(item: bpy.types.Object) -> None:
+    """Free an object, and its data and materials where nobody else uses them."""
+    data = item.data
+    bpy.data.objects.remove(item)
+    if data is None or data.users:
+        return
+    materials = list(getattr(data, "materials", ()))
+    bpy.data.batch_remove([data])
+    bpy.data.batch_remove([m for m in materials if m is not None and not m.users])
+
+
+def view_layer_collection(
+    view_layer: bpy.types.ViewLayer, wanted: bpy.types.Collection
+) -> bpy.types.LayerCollection | None:
+    """The place of a collection in a view layer, where it can be hidden."""
+    waiting = [view_layer.layer_collection]
+    while waiting:
+        layer = waiting.pop()
+        if layer.collection == wanted:
+            return layer
+        waiting.extend(layer.children)
+    return None
+
+
+def _child(parent: bpy.types.Collection, kind: str) -> bpy.types.Collection:
+    found = _find(parent, kind)
+    if found is None:
+        found = bpy.data.collections.new(kind)
+        found[_KEY] = kind
+        parent.children.link(found)
+    return found
+
+
+def _find(parent: bpy.types.Collection, kind: str) -> bpy.types.Collection | None:
+    return next((c for c in parent.children if c.get(_KEY) == kind), None)

@@ -1,0 +1,101 @@
+"""A run folder, finished or not, into the scene: each kind of thing in a collection of its own."""
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from pipeline.opened import OpenedBlock, OpenedRun, open_run
+
+from . import collections
+from .cameras import camera_objects
+from .clouds import cloud_object
+from .meshes import mesh_object
+from .stations import show_stations
+
+SPARSE_M, DENSE_M = 0.0006, 0.00025
+CAMERA_M = 0.02
+
+
+def show_run(scene: bpy.types.Scene, folder: Path, most_points: int) -> OpenedRun:
+    """Put everything that is finished into the scene, in place of what another run left there.
+
+    Args:
+        scene: that holds the survey.
+        folder: the run folder.
+        most_points: of each cloud.
+
+    Raises:
+        StageError: there is nothing to show.
+    """
+    run = open_run(folder)
+    _show_blocks(scene, run, most_points)
+    _show_mosaic(scene, run, most_points)
+    show_stations(scene, run)
+    scene.cabletwin.results.take(run)
+    _hide(scene, collections.SETUP)
+    if run.ring is not None:
+        for kind in (collections.BLOCKS, collections.SPARSE, collections.DENSE):
+            _hide(scene, kind)
+    return run
+
+
+def _show_blocks(scene: bpy.types.Scene, run: OpenedRun, most_points: int) -> None:
+    sparse, cameras, meshes = (
+        collections.emptied(scene, kind)
+        for kind in (collections.SPARSE, collections.CAMERAS, collections.BLOCKS)
+    )
+    for block in run.blocks:
+        placed = Matrix(block.cable_from_block.tolist())
+        for target, made in (
+            (sparse, _sparse(block, most_points)),
+            (cameras, _cameras(block)),
+            (meshes, _mesh(block, run)),
+        ):
+            for item in made:
+                item["cabletwin_block"] = block.name
+                item.matrix_world = placed @ item.matrix_world
+                target.objects.link(item)
+
+
+def _sparse(block: OpenedBlock, most_points: int) -> list[bpy.types.Object]:
+    if block.orientation is None:
+        return []
+    return [cloud_object(f"{block.name} tie points", block.orientation.points, None, SPARSE_M, most_points)]
+
+
+def _cameras(block: OpenedBlock) -> list[bpy.types.Object]:
+    if block.orientation is None or block.lens is None:
+        return []
+    pictures = block.lens.undistorted.files
+    return camera_objects(block.name, block.orientation.poses, block.lens.pinhole, pictures, CAMERA_M)
+
+
+def _mesh(block: OpenedBlock, run: OpenedRun) -> list[bpy.types.Object]:
+    """The block's mesh as far as it is: cropped where it was cropped."""
+    if block.surface is None or block.picture is None:
+        return []
+    from pipeline.report.block_model import block_mesh
+
+    stands = np.isfinite(block.surface.radius_m) if block.crop is None else block.crop.keep
+    return [mesh_object(block.name, block_mesh(block.surface, block.picture, stands, run.options.surface))]
+
+
+def _show_mosaic(scene: bpy.types.Scene, run: OpenedRun, most_points: int) -> None:
+    dense, mosaic = (collections.emptied(scene, k) for k in (collections.DENSE, collections.MOSAIC))
+    if run.ring is None:
+        return
+    from pipeline.report.model import ring_cloud, ring_mesh
+
+    cloud = ring_cloud(run.ring)
+    dense.objects.link(cloud_object("Dense cloud", cloud.points, cloud.colours, DENSE_M, most_points))
+    mosaic.objects.link(mesh_object("Cable", ring_mesh(run.ring)))
+
+
+def _hide(scene: bpy.types.Scene, kind: str) -> None:
+    wanted = collections.existing(scene, kind)
+    for view_layer in scene.view_layers:
+        layer = None if wanted is None else collections.view_layer_collection(view_layer, wanted)
+        if layer is not None:
+            layer.hide_viewport = True

@@ -1,0 +1,83 @@
+"""How far a run is and how long it will still take, from its events; for the console's bar and Blender's."""
+
+import time
+
+from pipeline.core.events import Event
+
+SHARES = {
+    "frames": 10.0,
+    "lens": 8.0,
+    "pos": 0.1,
+    "match": 20.0,
+    "adjust": 16.0,
+    "closing": 8.0,
+    "joint": 9.0,
+    "dense": 15.0,
+    "surface": 1.0,
+    "texture": 6.0,
+    "crop": 0.2,
+    "mosaic": 2.0,
+    "ring": 3.0,
+    "measure": 3.0,
+    "report": 10.0,
+}
+"""Rough share of each stage in a run, from timings of the demo survey; only the time left hangs on it."""
+
+SETTLE_S = 2.0
+"""Nothing is foretold before."""
+
+
+class Progress:
+    """Follows a run.
+
+    Args:
+        blocks: names of the survey's blocks, in order: block-by-block stages count them.
+
+    Attributes:
+        stage_fraction: of the stage that the last event came from, 0 to 1.
+        fraction: of the whole run, 0 to 1; never goes back.
+        seconds_left: None until enough has passed to tell.
+    """
+
+    def __init__(self, blocks: tuple[str, ...]) -> None:
+        self._blocks = blocks
+        self._began = time.monotonic()
+        self._skipped = 0.0
+        self._stage_began: dict[str, float] = {}
+        self.stage_fraction = self.fraction = 0.0
+        self.seconds_left: float | None = None
+
+    def take(self, event: Event) -> None:
+        """Follow one event.
+
+        A resumed run finds stages finished: they tell nothing but their end, and do not count as work done.
+        """
+        now = time.monotonic()
+        if ends_stage(event) and event.stage not in self._stage_began:
+            self._skipped += SHARES.get(event.stage, 0.0)
+        self._stage_began.setdefault(event.stage, now)
+        part = event.done / max(event.total, 1)
+        if event.block in self._blocks:
+            part = (self._blocks.index(event.block) + part) / len(self._blocks)
+        self.stage_fraction = part
+        self._foretell(event.stage, part, now)
+
+    def stage_seconds(self, stage: str) -> float:
+        """Time since the first event of a stage."""
+        return time.monotonic() - self._stage_began[stage]
+
+    def _foretell(self, stage: str, part: float, now: float) -> None:
+        self.seconds_left = None
+        if stage not in SHARES:
+            return
+        names, whole = list(SHARES), sum(SHARES.values())
+        done = sum(SHARES[n] for n in names[: names.index(stage)]) + part * SHARES[stage]
+        self.fraction = max(self.fraction, done / whole)
+        passed, made = now - self._began, done - self._skipped
+        if passed >= SETTLE_S and made > 0:
+            self.seconds_left = passed / made * (whole - done)
+
+
+def ends_stage(event: Event) -> bool:
+    """Whether this event closes a stage: the one that speaks for all blocks."""
+    return event.done >= event.total and not event.block

@@ -52,8 +52,9 @@ def _blocks(layout: bpy.types.UILayout, results: bpy.types.PropertyGroup) -> Non
     """A table: block, frames calibrated, reprojection error."""
     box = layout.box()
     head = box.row()
-    for text in ("Block", "Calibrated", "Error (px)"):
-        head.label(text=text)
+    head.label(text="Block")
+    head.label(text="Calibrated")
+    head.label(text="Error (px)")
     for block in results.blocks:
         row = box.row()
         row.label(text=block.name, translate=False)

@@ -4,11 +4,20 @@ A collection is found by what it says of itself and not by its name, which a per
 """
 
 import bpy
+from bpy.app.translations import pgettext_n as n_
 
 ROOT = "CableTwin"
-SETUP, SPARSE, CAMERAS, DENSE, BLOCKS, MOSAIC, STATIONS, PAIRS = KINDS = (
-    *("Setup", "Sparse points", "Cameras", "Dense cloud", "Block meshes", "Mosaic", "Stations", "Pairs"),
-)
+SETUP = n_("Setup")
+SPARSE = n_("Sparse points")
+CAMERAS = n_("Cameras")
+DENSE = n_("Dense cloud")
+BLOCKS = n_("Block meshes")
+MOSAIC = n_("Mosaic")
+STATIONS = n_("Stations")
+PAIRS = n_("Pairs")
+KINDS = (SETUP, SPARSE, CAMERAS, DENSE, BLOCKS, MOSAIC, STATIONS, PAIRS)
+"""In the order of the work; the panel shows them translated, the outliner as they are."""
+
 _KEY = "cabletwin_kind"
 
 

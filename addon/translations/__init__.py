@@ -2,9 +2,9 @@
 
 import bpy
 
-from . import common
+from . import common, reconstruct, results, survey
 
-_AREAS = (common,)
+_AREAS = (common, reconstruct, results, survey)
 _CONTEXTS = ("*", "Operator")
 
 

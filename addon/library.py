@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import bpy
+
 from pipeline.core.errors import StageError
 
 

@@ -10,9 +10,10 @@ from ..gather import gather_survey, survey_path
 from ..jobs import Job, pipeline_command
 from ..library import python_executable
 from ..preferences import preferences
-from ..properties.run import CableTwinRun
 from .base import Operator
 from .following import JobOperator
+from .results import present_run
+from .running import run_folder, run_words
 from .survey import save_survey
 
 
@@ -54,9 +55,7 @@ class CABLETWIN_OT_reconstruct_run(JobOperator):
 
     def finished(self, context: bpy.types.Context, scene: bpy.types.Scene) -> None:
         """Show the results."""
-        from ..results.show import show_run
-
-        show_run(scene, run_folder(scene.cabletwin.run), preferences(context).cloud_points)
+        present_run(context, scene, run_folder(scene.cabletwin.run))
         self.report({"INFO"}, "Reconstructed")
 
 
@@ -100,27 +99,6 @@ class CABLETWIN_OT_reconstruct_log(Operator):
         area = context.window_manager.windows[-1].screen.areas[0]
         area.type = "TEXT_EDITOR"
         area.spaces.active.text = bpy.data.texts.load(str(path))
-
-
-def run_folder(run: CableTwinRun) -> Path:
-    """The absolute run folder.
-
-    Raises:
-        StageError: none is chosen.
-    """
-    if not run.folder:
-        raise StageError("run", "no run folder is chosen", "choose one in the panel Reconstruct")
-    return Path(bpy.path.abspath(run.folder))
-
-
-def run_words(run: CableTwinRun, survey: Path, folder: Path) -> list[str]:
-    """The arguments of ``python -m pipeline`` that this scene asks for."""
-    words = ["run", str(survey), "--out", str(folder), "--events", "json"]
-    if run.adjust == "blocks":
-        words += ["--adjust", "blocks"]
-    if run.truth:
-        words += ["--truth", bpy.path.abspath(run.truth)]
-    return words
 
 
 classes = (CABLETWIN_OT_reconstruct_run, CABLETWIN_OT_reconstruct_cancel, CABLETWIN_OT_reconstruct_log)

@@ -5,9 +5,11 @@ from pathlib import Path
 import bpy
 
 from ..preferences import preferences
+from ..results.collections import BLOCKS, MOSAIC, SPARSE
 from ..results.show import show_run
+from ..results.view import clear_startup, frame, show_pictures
 from .base import Operator
-from .reconstruct import run_folder
+from .running import run_folder
 
 
 class CABLETWIN_OT_results_open(Operator):
@@ -20,8 +22,7 @@ class CABLETWIN_OT_results_open(Operator):
 
     def work(self, context: bpy.types.Context) -> None:
         """Read and show."""
-        scene = context.scene
-        show_run(scene, run_folder(scene.cabletwin.run), preferences(context).cloud_points)
+        present_run(context, context.scene, run_folder(context.scene.cabletwin.run))
 
 
 class CABLETWIN_OT_results_choose(Operator):
@@ -42,8 +43,20 @@ class CABLETWIN_OT_results_choose(Operator):
     def work(self, context: bpy.types.Context) -> None:
         """Read and show; the scene remembers the folder where that went well."""
         folder = Path(bpy.path.abspath(self.directory))
-        show_run(context.scene, folder, preferences(context).cloud_points)
+        present_run(context, context.scene, folder)
         context.scene.cabletwin.run.folder = str(folder)
+
+
+def present_run(context: bpy.types.Context, scene: bpy.types.Scene, folder: Path) -> None:
+    """Show a run folder in a scene, and look at it.
+
+    Raises:
+        StageError: there is nothing to show.
+    """
+    show_run(scene, folder, preferences(context).cloud_points)
+    clear_startup(scene)
+    show_pictures(context, scene)
+    frame(context, scene, MOSAIC, BLOCKS, SPARSE)
 
 
 classes = (CABLETWIN_OT_results_open, CABLETWIN_OT_results_choose)

@@ -10,7 +10,9 @@ from pipeline.cable.survey import survey_from, write_survey
 from ..apply import open_survey, remember
 from ..gather import survey_path, survey_values
 from ..properties.survey import add_block
+from ..results.collections import SETUP
 from ..results.sketch import refresh_sketch
+from ..results.view import clear_startup, frame
 from .base import Operator
 
 _UNDOABLE = {"REGISTER", "UNDO"}
@@ -45,7 +47,7 @@ class CABLETWIN_OT_survey_new(Operator):
         for _ in range(self.cameras):
             add_block(survey, self.cameras)
         survey.block_index = 0
-        refresh_sketch(scene)
+        _present(context)
 
 
 class CABLETWIN_OT_survey_open(Operator, ImportHelper):
@@ -64,7 +66,7 @@ class CABLETWIN_OT_survey_open(Operator, ImportHelper):
         path = Path(bpy.path.abspath(self.filepath))
         open_survey(context.scene, path)
         context.scene.cabletwin.run.folder = str(path.parent / "run")
-        refresh_sketch(context.scene)
+        _present(context)
 
 
 class CABLETWIN_OT_survey_save(Operator, ExportHelper):
@@ -191,6 +193,13 @@ class CABLETWIN_OT_survey_lens_to_all(Operator):
         for block in survey.blocks:
             for key in LENS_KEYS:
                 setattr(block, key, getattr(shown, key))
+
+
+def _present(context: bpy.types.Context) -> None:
+    """Sketch the set-up and look at it."""
+    refresh_sketch(context.scene)
+    clear_startup(context.scene)
+    frame(context, context.scene, SETUP)
 
 
 LENS_KEYS = (

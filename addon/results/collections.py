@@ -32,6 +32,12 @@ def existing(scene: bpy.types.Scene, kind: str) -> bpy.types.Collection | None:
     return None if root is None else _find(root, kind)
 
 
+def own_objects(scene: bpy.types.Scene) -> set[bpy.types.Object]:
+    """Everything that the extension has put into the scene."""
+    root = _find(scene.collection, ROOT)
+    return set() if root is None else set(root.all_objects)
+
+
 def emptied(scene: bpy.types.Scene, kind: str) -> bpy.types.Collection:
     """The collection of that kind with nothing in it; what only it held is freed."""
     found = collection(scene, kind)

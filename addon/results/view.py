@@ -1,0 +1,57 @@
+"""What the 3D views of a scene look at: framing, shading, and the startup cube out of the way."""
+
+from collections.abc import Iterator
+
+import bpy
+import numpy as np
+from mathutils import Vector
+
+from . import collections
+
+STARTUP = {"Cube", "Light", "Camera"}
+"""What Blender's own startup file holds; its cube of 2 m would swallow any cable."""
+
+
+def frame(context: bpy.types.Context, scene: bpy.types.Scene, *kinds: str) -> None:
+    """Turn every 3D view of the scene's windows to what the collections of these kinds hold."""
+    corners = _corners(scene, kinds)
+    if not len(corners):
+        return
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    for space in _views(context, scene):
+        view = space.region_3d
+        if view.view_perspective == "CAMERA":
+            view.view_perspective = "PERSP"
+        view.view_location = Vector((low + high) / 2)
+        view.view_distance = 1.1 * float(np.linalg.norm(high - low))
+        space.clip_start = min(space.clip_start, 0.005)
+
+
+def show_pictures(context: bpy.types.Context, scene: bpy.types.Scene) -> None:
+    """Let solid views show the meshes' own pictures, as they were filmed: quick on any machine."""
+    for space in _views(context, scene):
+        space.shading.type = "SOLID"
+        space.shading.light = "FLAT"
+        space.shading.color_type = "TEXTURE"
+
+
+def clear_startup(scene: bpy.types.Scene) -> None:
+    """Hide the startup file's objects where a person has added nothing to them."""
+    own = collections.own_objects(scene)
+    others = [item for item in scene.objects if item not in own]
+    if {item.name for item in others} <= STARTUP:
+        for item in others:
+            item.hide_viewport = True
+
+
+def _views(context: bpy.types.Context, scene: bpy.types.Scene) -> Iterator[bpy.types.SpaceView3D]:
+    for window in context.window_manager.windows:
+        if window.scene == scene:
+            yield from (a.spaces.active for a in window.screen.areas if a.type == "VIEW_3D")
+
+
+def _corners(scene: bpy.types.Scene, kinds: tuple[str, ...]) -> np.ndarray:
+    """Corners of the objects' boxes in the world, (n, 3)."""
+    found = [collections.existing(scene, kind) for kind in kinds]
+    items = [item for each in found if each is not None for item in each.objects]
+    return np.array([item.matrix_world @ Vector(c) for item in items for c in item.bound_box]).reshape(-1, 3)

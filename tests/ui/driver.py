@@ -1,6 +1,6 @@
 """A person at the window, played by simulated events: moves, clicks, types, looks.  Runs inside Blender.
 
-Needs ``blender --enable-event-simulate``.  x and y count from the window's lower left corner, as Blender's do.
+Needs ``blender --enable-event-simulate``.  x and y count from the window's lower left corner.
 """
 
 import os
@@ -12,8 +12,12 @@ from collections.abc import Callable, Iterator
 import bpy
 
 KEYS = {c: c.upper() for c in "abcdefghijklmnopqrstuvwxyz"}
-KEYS |= dict(zip("0123456789", "ZERO ONE TWO THREE FOUR FIVE SIX SEVEN EIGHT NINE".split(), strict=True))
+DIGITS = ("ZERO", "ONE", "TWO", "THREE", "FOUR", "FIVE", "SIX", "SEVEN", "EIGHT", "NINE")
+KEYS |= {str(k): name for k, name in enumerate(DIGITS)}
 KEYS |= {" ": "SPACE", ".": "PERIOD", ",": "COMMA", "-": "MINUS", "/": "SLASH", "_": "MINUS"}
+
+HEAD_TOP_PX, HEAD_PX = 14, 28
+"""Place of the first panel's head below the sidebar's top, and height of a closed panel, at scale 1."""
 
 Steps = Iterator[float]
 """What a step yields is a pause in seconds, in which Blender draws and handles events."""
@@ -98,6 +102,13 @@ class Driver:
 
     def _has_tabs(self) -> bool:
         return self.region().active_panel_category != "UNSUPPORTED"
+
+    def head(self, number: int) -> Steps:
+        """Click the head of a panel of the tab, the first being 0, while all above it are closed."""
+        region, scale = self.region(), bpy.context.preferences.system.ui_scale
+        top = region.y + region.height - HEAD_TOP_PX * scale
+        yield from self.click(region.x + 60 * scale, top - HEAD_PX * scale * number)
+        yield 0.5
 
     def press(self, what: str, columns: tuple[float, ...] = (0.5, 0.25, 0.75, 0.9)) -> Steps:
         """Click the button of an operator (a part of its command) or property in the sidebar."""

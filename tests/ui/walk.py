@@ -40,7 +40,6 @@ def walk() -> Steps:
 
 def empty_scene() -> Steps:
     """The tab is there and says how to start."""
-    bpy.context.preferences.view.show_splash = False
     yield from person.sidebar("CableTwin")
     yield from person.shot("01-empty")
 
@@ -138,4 +137,6 @@ def end(error: BaseException | None) -> None:
     os._exit(1 if error else 0)
 
 
+bpy.context.preferences.view.show_splash = False
+bpy.context.preferences.view.filebrowser_display_type = "SCREEN"  # no second window, which has no events here
 play(walk(), end)

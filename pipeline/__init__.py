@@ -1,1 +1,47 @@
-"""CableTwin's pipeline: from the videos of a cable-climbing robot to a measured, textured model."""
+"""CableTwin's pipeline: from the videos of a cable-climbing robot to a measured, textured model.
+
+The map.  ``python -m pipeline run SURVEY.toml --out RUN`` goes through one call,
+:func:`pipeline.product.make_product`: the stages, then everything a person opens.
+
+The stages (``cable/``, one module each, in this order; :mod:`pipeline.cable.run` holds the order,
+``block_stages`` and ``ring_stages`` what is made from what):
+
+=========  ==================================================  =============================================
+stage      takes                                               gives
+=========  ==================================================  =============================================
+survey     survey.toml                                         cable, robot, cameras, as the user wrote them
+frames     videos or pictures                                  the frames worked on, in the order of travel
+*then, block by block*
+lens       frames, the lens as stated                          division lens from plumb lines, flat frames
+pos        robot, travel, or a POS file                        what is known of each frame's pose
+match      frames, lens, pos                                   tie points along the strip
+adjust     tie points, lens, pos                               poses, points and lens of the block alone
+*the ring, where the cameras share a clock*
+closing    frames, adjusted blocks                             marks that neighbouring blocks share
+joint      adjusted blocks, shared marks, robot                all blocks as one rig, with one covariance
+*block by block again*
+dense      frames, poses, lens                                 a radius for every cell of the surface
+surface    radius map                                          the same without gross errors
+texture    frames, surface                                     the unrolled picture
+crop       surface                                             which cells are kept: not the limb
+*all blocks*
+mosaic     surfaces, pictures (or pairs chosen by hand)        every block's place in one model
+ring       placed blocks                                       the closed surface about a straight axis
+measure    ring, covariance, stations                          diameters with sigma, axis, relief
+report     everything found                                    RUN/report.html, report.json, model, tables
+=========  ==================================================  =============================================
+
+Products of the stages lie in RUN/products, stamped with what they were made from: a run that is started again
+makes what is missing or has changed, nothing else (:mod:`pipeline.core.runfolder`).
+
+The other rooms:
+
+- ``core/``: shared words, geometry, lens, fits, adjustment, files, run folder; knows no stage.
+- ``report/``: tables, plots, the page, the exported files; computes nothing twice.
+- ``evaluate/``: a run against the truth, and against stock COLMAP on the same frames.
+- ``opened``, ``joining``, ``copies``: a run folder read back, blocks joined anew by hand, files handed on.
+- ``progress``, ``console``: how far a run is, for programs and people.
+- ``set_aside``: what an earlier run left never passes for the result of one that was refused.
+
+Nothing here imports ``synth`` (which renders surveys with known truth), ``addon`` or ``bpy``.
+"""

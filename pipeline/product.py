@@ -7,6 +7,7 @@ import resource
 import sys
 import time
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ from pipeline.cable.run import STAGES, bind_options, run_cable
 from pipeline.cable.survey import Survey
 from pipeline.core.errors import StageError
 from pipeline.core.events import Emit, Event
-from pipeline.core.files import replacing, unwritable, write_json
+from pipeline.core.files import replacing, write_json
 from pipeline.core.runfolder import RunFolder
 from pipeline.evaluate.documents import read_document
 from pipeline.report.block_files import write_block_files
@@ -34,6 +35,7 @@ from pipeline.report.labels import Language
 from pipeline.report.metrics import compare_with_truth, mean_absolute_error_mm
 from pipeline.report.model import ring_cloud
 from pipeline.report.types import ReportData, TruthStation
+from pipeline.set_aside import drop_set_aside, none_if_refused, set_aside
 
 
 def make_product(
@@ -49,6 +51,9 @@ def make_product(
     language: Language = "en",
 ) -> str:
     """Run the pipeline and write the product.
+
+    Once anything is made again, or the run is refused, what an earlier run left to be opened lies in
+    ``OUT/outdated`` (:mod:`pipeline.set_aside`), until the new files are there.
 
     Args:
         survey: what to work on.
@@ -67,20 +72,26 @@ def make_product(
     Raises:
         StageError: bad input.
     """
-    options = bind_options(survey, assignments)
-    true = _truth_stations(truth, survey)
-    if pairs:
-        read_pairs(pairs, tuple(b.name for b in survey.blocks))  # tells now, and not minutes later
+    with none_if_refused(out):
+        options = bind_options(survey, assignments)
+        true = _truth_stations(truth, survey)
+        if pairs:
+            read_pairs(pairs, tuple(b.name for b in survey.blocks))  # tells now, and not minutes later
+        folder = _folder(out, start, only)
+        write_json(folder.path / "options.json", options, "run")
+        last = only if only and only != "report" else STAGES[-1]
+        found = run_cable(survey, options, folder, emit, pairs, last)
+        if found is None or (only and only != "report"):
+            return f"{only} is done in {out}"
+        data = _write(found, folder, true, language, emit)
+    return _summary(data, out)
+
+
+def _folder(out: Path, start: str | None, only: str | None) -> RunFolder:
     stages = (*STAGES, "report")
     fresh = frozenset(stages[stages.index(start) :] if start else (only,) if only else ())
-    folder = RunFolder(out, fresh, None if only in (None, "report") else frozenset({only or ""}))
-    write_json(folder.path / "options.json", options, "run")
-    last = only if only and only != "report" else STAGES[-1]
-    found = run_cable(survey, options, folder, emit, pairs, last)
-    if found is None or (only and only != "report"):
-        return f"{only} is done in {out}"
-    data = _write(found, folder, true, language, emit)
-    return _summary(data, out)
+    allowed = None if only in (None, "report") else frozenset({only or ""})
+    return RunFolder(out, fresh, allowed, before_making=partial(set_aside, out))
 
 
 def _write(
@@ -91,10 +102,7 @@ def _write(
     from pipeline.report.page import PageOptions, write_report_html
 
     began, out = time.monotonic(), folder.path
-    try:
-        (out / "report.json").unlink(missing_ok=True)
-    except OSError as error:
-        raise unwritable(out / "report.json", error, "report") from error
+    set_aside(out)
     steps = 5
     emit(Event(stage="report", done=0, total=steps))
     write_block_files(found, out / "blocks")
@@ -121,6 +129,7 @@ def _write(
     data = replace(data, timing_s=folder.stage_seconds(), peak_memory_mb=_peak_memory_mb())
     write_report_html(out / "report.html", data, PageOptions(language=language))
     write_report_json(out / "report.json", data)
+    drop_set_aside(out)
     emit(Event(stage="report", done=1, total=1))
     return data
 

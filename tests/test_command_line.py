@@ -23,7 +23,7 @@ from tests.command import ENVIRONMENT, ROOT, line_of, pipeline, start_pipeline, 
             ["--out", "--truth", "--only", "--from", "--pairs", "--set", "--adjust", "--no-lens-correction"],
         ),
         (["evaluate", "--help"], ["--truth", "--json"]),
-        (["lens", "--help"], ["--chessboard", "9x6", "--square-mm"]),
+        (["lens", "--help"], ["--chessboard", "9x6", "--square-mm", "--block", "--json", "--events"]),
     ],
 )
 def test_help_names_every_word_at_once(words, named):

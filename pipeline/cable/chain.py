@@ -4,16 +4,20 @@ What depends on what is in :mod:`pipeline.cable.block_stages` and :mod:`pipeline
 """
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from pipeline.cable.cautions import numbering_cautions, rig_cautions
 from pipeline.cable.records import BlockRun, CableRun
 from pipeline.cable.ring_stages import RingStages
 from pipeline.cable.survey import Block
-from pipeline.core.events import Event
+from pipeline.core.errors import StageError
+from pipeline.core.events import Emit, Event
+from pipeline.core.parallel import side_by_side, workers_for
 from pipeline.core.runfolder import Product
 
-type _PerBlock = Callable[[int, Block], Product[Any]]
+type _PerBlock = Callable[[int, Block, Emit], Product[Any]]
 
 
 class Chain(RingStages):
@@ -30,9 +34,38 @@ class Chain(RingStages):
         elif name in ("ring", "measure"):
             self.made[name] = [getattr(self, f"_{name}")()]
         else:
-            stage: _PerBlock = getattr(self, f"_{name}")
-            self.made[name] = [stage(n, b) for n, b in enumerate(self._survey.blocks)]
-        self._emit(Event(stage=name, done=1, total=1))
+            self.made[name] = self._block_by_block(name)
+        self._emit(Event(stage=name, done=1, total=1, message=" ".join(self._cautions(name))))
+
+    def _block_by_block(self, name: str) -> list[Product[Any]]:
+        """A stage's products of all blocks, which know nothing of each other: side by side."""
+        stage: _PerBlock = getattr(self, f"_{name}")
+        blocks = self._survey.blocks
+        jobs = [partial(stage, n, block) for n, block in enumerate(blocks)]
+        with self._folder.side_by_side(name):
+            return side_by_side(jobs, self._emit, workers_for(len(blocks)))
+
+    def require(self, name: str) -> None:
+        """Refuse where a stage that was asked for by name has no part in this survey's run.
+
+        Raises:
+            StageError: the blocks are adjusted each for itself.
+        """
+        if not self.made[name]:
+            raise StageError(
+                "run",
+                f"the stage {name} has no part in this run, whose blocks are adjusted each for itself",
+                "leave --only out, or see that there are two cameras or more of one clock, no pos and "
+                "joint.together = true",
+            )
+
+    def _cautions(self, name: str) -> tuple[str, ...]:
+        """What a finished stage gives cause to say."""
+        if name == "frames":
+            return numbering_cautions(self._survey.blocks)
+        if name == "joint" and self.made[name]:
+            return rig_cautions([p.value for p in self.made["adjust"]], self._value(name).blocks)
+        return ()
 
     def result(self) -> CableRun:
         """Everything found, from the finished products."""
@@ -58,4 +91,5 @@ class Chain(RingStages):
             mosaic=self._value("mosaic"),
             ring=self._value("ring"),
             measurement=self._value("measure"),
+            cautions=tuple(said for stage in self.made for said in self._cautions(stage)),
         )

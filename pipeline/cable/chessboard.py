@@ -138,13 +138,26 @@ def calibrate_views(
         options=FitOptions(loss=Loss.HUBER, iterations=100),
         update=model.update,
     )
-    focal, cx, cy, division_lambda = (float(value) for value in found.values[:4])
     sigmas = np.sqrt(np.diag(found.covariance)[:4])
+    squares = (found.residuals.reshape(len(views), -1) ** 2).mean(axis=1)
+    return ChessboardCalibration(
+        lens=_lens(found.values, sigmas, width_px, height_px),
+        principal_point_sigma_px=(float(sigmas[1]), float(sigmas[2])),
+        noise_px=found.noise_sigma,
+        used=tuple(view.file for view in views),
+        unused=unused,
+        view_rms_px=tuple(float(value) for value in np.sqrt(squares)),
+    )
+
+
+def _lens(values: Array, sigmas: Array, width_px: int, height_px: int) -> Lens:
+    """The lens from the first unknowns: focal length, principal point, lambda; and their sigmas (4,)."""
+    focal, cx, cy, division_lambda = (float(value) for value in values[:4])
     if sigmas[0] > 0.2 * abs(focal) or focal <= 0:
         raise StageError(
             "lens", "the pictures do not determine the focal length", "tilt the board by 30 degrees in some"
         )
-    lens = Lens(
+    return Lens(
         width_px=width_px,
         height_px=height_px,
         focal_px=focal,
@@ -153,15 +166,6 @@ def calibrate_views(
         lambda_radius=LambdaRadius.HALF_DIAGONAL,
         focal_sigma_px=float(sigmas[0]),
         lambda_sigma=float(sigmas[3]),
-    )
-    squares = (found.residuals.reshape(len(views), -1) ** 2).mean(axis=1)
-    return ChessboardCalibration(
-        lens=lens,
-        principal_point_sigma_px=(float(sigmas[1]), float(sigmas[2])),
-        noise_px=found.noise_sigma,
-        used=tuple(view.file for view in views),
-        unused=unused,
-        view_rms_px=tuple(float(value) for value in np.sqrt(squares)),
     )
 
 

@@ -6,85 +6,32 @@ own edges, or left uncorrected on purpose) and undistorted frames.  The paper's 
 report (:mod:`pipeline.cable.lens_pictures`).
 """
 
-from dataclasses import dataclass, field, replace
-from enum import StrEnum
+from dataclasses import replace
 from math import asin, tan
 from pathlib import Path
 
 import cv2
 import numpy as np
 
+from pipeline.cable.lens_records import CableScene, LensMethod, LensOptions, LensSolution
 from pipeline.cable.plumb_lines import fit_plumb_lines
-from pipeline.cable.plumb_records import PlumbEdges, PlumbLineFit, PlumbLineOptions, PlumbScene
-from pipeline.cable.silhouette import Image, Silhouette, SilhouetteOptions, find_silhouette
+from pipeline.cable.plumb_records import PlumbEdges, PlumbLineFit, PlumbScene
+from pipeline.cable.silhouette import Image, Silhouette, find_silhouette
 from pipeline.core.division import check, pixels_to_rays, radius_unit_px, undistorted_lens, undistortion_maps
 from pipeline.core.errors import StageError
 from pipeline.core.events import Emit, Event
 from pipeline.core.files import write_png
 from pipeline.core.vocabulary import FrameSequence, Lens, TravelDirection
 
-
-class LensMethod(StrEnum):
-    """Where a lens came from."""
-
-    GIVEN = "given"
-    PLUMB_LINES = "plumb lines"
-    CHESSBOARD = "chessboard"
-    NONE = "none"
-
-
-@dataclass(frozen=True, kw_only=True)
-class LensOptions:
-    """How lambda is come by.
-
-    Attributes:
-        correct: false holds lambda at 0: the deliberately uncorrected run of the paper's figures 5 and 6.
-        most_frames: edges are looked for in at most this many frames, evenly chosen.
-        need_outline: both edges of the cable must be in the picture; false allows cameras so close that the
-            cable fills it (then lambda must be given).
-        missing_share: so large a share of the frames may lack an outline when lambda is estimated.
-        silhouette: how edges are found.
-        plumb_lines: what is taken for granted of the cable's shape.
-    """
-
-    correct: bool = True
-    most_frames: int = field(default=48, metadata={"minimum": 2})
-    need_outline: bool = True
-    missing_share: float = field(default=0.2, metadata={"minimum": 0.0, "maximum": 1.0})
-    silhouette: SilhouetteOptions = field(default_factory=SilhouetteOptions)
-    plumb_lines: PlumbLineOptions = field(default_factory=PlumbLineOptions)
-
-
-@dataclass(frozen=True, kw_only=True)
-class CableScene:
-    """What the survey says of the block's view, roughly.
-
-    Attributes:
-        travel_m: way of the robot between the source's first and last frame.
-        standoff_m: projection centre to cable axis.
-        diameter_m: nominal diameter where known; only chooses between several long edges in the picture.
-    """
-
-    travel_m: float
-    standoff_m: float
-    diameter_m: float | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class LensSolution:
-    """The lens to work with.
-
-    Attributes:
-        lens: with lambda and its sigma; the focal length stays as stated.
-        method: where lambda came from.
-        apparent_radius_m: radius of the cable by its outline and the stand-off; NaN where none was seen.
-        plumb_lines: diagnostics, where lambda was estimated.
-    """
-
-    lens: Lens
-    method: LensMethod
-    apparent_radius_m: float
-    plumb_lines: PlumbLineFit | None = None
+__all__ = [
+    "CableScene",
+    "LensMethod",
+    "LensOptions",
+    "LensSolution",
+    "read_image",
+    "solve_lens",
+    "undistort_frames",
+]
 
 
 def solve_lens(
@@ -116,31 +63,30 @@ def solve_lens(
         lens = lens if options.correct else replace(lens, division_lambda=0.0, lambda_sigma=0.0)
         check(lens)
         share = options.missing_share if options.need_outline else 1.0
-        few = replace(options, most_frames=3, missing_share=share)
-        found = _silhouettes(frames, lens, travel_in_image, few, scene, emit)
-        return LensSolution(
-            lens=lens,
-            method=LensMethod.GIVEN if options.correct else LensMethod.NONE,
-            apparent_radius_m=_apparent_radius_m(found, lens, travel_in_image, scene),
-        )
+        options = replace(options, most_frames=3, missing_share=share)
     found = _silhouettes(frames, lens, travel_in_image, options, scene, emit)
-    fit = fit_plumb_lines(
-        _edges(found, lens, travel_in_image),
-        _scene(frames, lens, travel_in_image, scene),
-        options.plumb_lines,
+    fit = None
+    if estimate:
+        about = _scene(frames, lens, travel_in_image, scene)
+        fit = fit_plumb_lines(_edges(found, lens, travel_in_image), about, options.plumb_lines)
+        lens = _with_lambda(lens, fit)
+        check(lens)
+    stated = LensMethod.GIVEN if options.correct else LensMethod.NONE
+    return LensSolution(
+        lens=lens,
+        method=LensMethod.PLUMB_LINES if estimate else stated,
+        apparent_radius_m=_apparent_radius_m(found, lens, travel_in_image, scene),
+        plumb_lines=fit,
     )
+
+
+def _with_lambda(lens: Lens, fit: PlumbLineFit) -> Lens:
+    """The lens with the lambda that was fitted, in its own unit."""
     per_unit = (radius_unit_px(lens) / (np.hypot(lens.width_px, lens.height_px) / 2)) ** 2
-    solved = replace(
+    return replace(
         lens,
         division_lambda=float(fit.lambda_half_diagonal * per_unit),
         lambda_sigma=float(fit.sigma * per_unit),
-    )
-    check(solved)
-    return LensSolution(
-        lens=solved,
-        method=LensMethod.PLUMB_LINES,
-        apparent_radius_m=_apparent_radius_m(found, solved, travel_in_image, scene),
-        plumb_lines=fit,
     )
 
 
@@ -160,7 +106,7 @@ def undistort_frames(
     maps = undistortion_maps(lens, pinhole)
     files = []
     for done, file in enumerate(frames.files):
-        emit(Event(stage="lens", done=done, total=len(frames), block=frames.block, message=""))
+        emit(Event(stage="lens", done=done, total=len(frames), block=frames.block))
         image = cv2.remap(read_image(file), *maps, cv2.INTER_CUBIC, borderMode=cv2.BORDER_CONSTANT)
         files.append(folder / f"{file.stem}.png")
         write_png(files[-1], image, stage="lens")

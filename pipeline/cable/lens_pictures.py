@@ -29,37 +29,54 @@ def distortion_grid_picture(lens: Lens, cells: int = 16, width_px: int = 960) ->
     scale = width_px / lens.width_px
     height_px = round(lens.height_px * scale)
     picture = np.full((height_px, width_px, 3), 255, np.uint8)
-    spacing, centre = lens.width_px / cells, np.array(lens.principal_point_px)
-    # beyond the picture's border too: barrel distortion brings that part into view
-    along = np.linspace(-lens.width_px, 2 * lens.width_px, 40 * cells)
-    lines = []
-    for number in range(-cells, 2 * cells + 1):
-        x, y = centre % spacing + number * spacing
-        lines += [
-            np.column_stack([np.full_like(along, x), along]),
-            np.column_stack([along, np.full_like(along, y)]),
-        ]
-    for line in lines:
+    straight = _grid_lines(lens, cells, 40 * cells)
+    for line in straight:
         _draw(picture, line * scale, GREY)
-    for line in lines:
-        _draw(picture, rays_to_pixels(lens, (line - centre) / lens.focal_px) * scale, BLUE)
+    for line in _as_seen(lens, straight):
+        _draw(picture, line * scale, BLUE)
     return picture
 
 
-def before_after_picture(frame: Image, lens: Lens) -> tuple[Image, Image]:
+def before_after_picture(frame: Image, lens: Lens, cells: int = 0) -> tuple[Image, Image]:
     """Figure 3: a frame as taken and as a pinhole camera would have taken it, both on the same canvas.
 
     Args:
         frame: (h, w, 3) of the lens's size.
         lens: its lens.
+        cells: cells across the picture of a grid that is straight where distortion is gone, drawn on both; 0
+            draws none.
     """
     pinhole = undistorted_lens(lens)
     after = cv2.remap(frame, *undistortion_maps(lens, pinhole), cv2.INTER_CUBIC, borderValue=(255, 255, 255))
     before = np.full_like(after, 255)
     left = round(pinhole.principal_point_px[0] - lens.principal_point_px[0])
     top = round(pinhole.principal_point_px[1] - lens.principal_point_px[1])
-    before[top : top + lens.height_px, left : left + lens.width_px] = frame
-    return before, np.asarray(after, dtype=np.uint8)
+    inside = before[top : top + lens.height_px, left : left + lens.width_px]
+    inside[:] = frame
+    after = np.asarray(after, dtype=np.uint8)
+    if cells:
+        straight = _grid_lines(lens, cells, 16 * cells)
+        for line in _as_seen(lens, straight):
+            _draw(inside, line, BLUE)
+        for line in straight:
+            _draw(after, line + np.array([left, top]), BLUE)
+    return before, after
+
+
+def _grid_lines(lens: Lens, cells: int, points: int) -> Array:
+    """(lines, points, 2) of an even grid as a pinhole camera with this focal length sees it."""
+    spacing, centre = lens.width_px / cells, np.array(lens.principal_point_px)
+    # beyond the picture's border too: barrel distortion brings that part into view
+    along = np.linspace(-lens.width_px, 2 * lens.width_px, points)
+    across = centre % spacing + np.arange(-cells, 2 * cells + 1)[:, None] * spacing
+    upright = np.stack(np.broadcast_arrays(across[:, :1], along), axis=-1)
+    level = np.stack(np.broadcast_arrays(along, across[:, 1:]), axis=-1)
+    return np.stack([upright, level], axis=1).reshape(-1, points, 2)
+
+
+def _as_seen(lens: Lens, straight: Array) -> Array:
+    """The same lines through the lens."""
+    return rays_to_pixels(lens, (straight - lens.principal_point_px) / lens.focal_px)
 
 
 def _draw(picture: Image, points: Array, colour: tuple[int, int, int]) -> None:

@@ -76,7 +76,10 @@ class BlockRun:
 
 @dataclass(frozen=True, kw_only=True)
 class CableRun:
-    """Everything the pipeline found; ``together`` is None where the blocks were adjusted alone."""
+    """Everything the pipeline found; ``together`` is None where the blocks were adjusted alone.
+
+    ``cautions`` are sentences about what looks wrong though it could be worked with.
+    """
 
     survey: Survey
     options: CableOptions
@@ -85,3 +88,4 @@ class CableRun:
     mosaic: Mosaic
     ring: Ring
     measurement: Measurement
+    cautions: tuple[str, ...] = ()

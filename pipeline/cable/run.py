@@ -64,8 +64,12 @@ def run_cable(
 
     Returns:
         Everything found, or None where ``last`` comes before the end.
+
+    Raises:
+        StageError: bad input, or ``last`` is a stage that this survey does not need.
     """
     chain = Chain(survey, options, run, emit)
     for name in STAGES[: STAGES.index(last) + 1]:
         chain.run(name, pairs)
+    chain.require(last)
     return chain.result() if last == STAGES[-1] else None

@@ -9,9 +9,10 @@ import contextlib
 import json
 import time
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from threading import Lock
 
 from pipeline.core import store
 from pipeline.core.errors import StageError
@@ -46,18 +47,25 @@ class RunFolder:
         path: the folder; made if missing.
         fresh: names of the stages that must be made again even if they are finished.
         only: names of the stages that may run (None: all); a missing product of another stage is an error.
+        before_making: called before a product is made or made again: what rests on the products is outdated.
 
     Raises:
         StageError: the folder cannot be written.
     """
 
     def __init__(
-        self, path: Path, fresh: frozenset[str] = frozenset(), only: frozenset[str] | None = None
+        self,
+        path: Path,
+        fresh: frozenset[str] = frozenset(),
+        only: frozenset[str] | None = None,
+        before_making: Callable[[], None] | None = None,
     ) -> None:
         self.path = path.absolute()
+        self._before_making = before_making
         self._fresh = fresh
         self._only = only
         self.timing_s: dict[str, float] = {}
+        self._writing = Lock()
         try:
             (self.path / "products").mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -106,9 +114,11 @@ class RunFolder:
         if self._only is not None and stage not in self._only:
             raise StageError(
                 "run",
-                f"the stage {stage} is not finished in {self.path.name}",
+                f"the stage {stage} is not finished in {self.path.name} with this survey and these options",
                 "run it first, without --only",
             )
+        if self._before_making is not None:
+            self._before_making()
         began = time.monotonic()
         mark.unlink(missing_ok=True)
         value = build()
@@ -127,8 +137,21 @@ class RunFolder:
 
     def note_time(self, stage: str, block: str, seconds: float) -> None:
         """Remember how long a stage took."""
-        self.timing_s[f"{stage}/{block}" if block else stage] = round(seconds, 3)
-        write_json(self.path / "products" / "timing.json", self.timing_s, "run")
+        with self._writing:
+            self.timing_s[f"{stage}/{block}" if block else stage] = round(seconds, 3)
+            write_json(self.path / "products" / "timing.json", self.timing_s, "run")
+
+    @contextlib.contextmanager
+    def side_by_side(self, stage: str) -> Iterator[None]:
+        """Blocks of a stage that are made at the same time share the time that passes."""
+        before, began = dict(self.timing_s), time.monotonic()
+        yield
+        passed = time.monotonic() - began
+        made = {n: s for n, s in self.timing_s.items() if n.startswith(f"{stage}/") and s != before.get(n)}
+        share = passed / max(sum(made.values()), 1e-9)
+        if share < 1:
+            for name, seconds in made.items():
+                self.note_time(stage, name.partition("/")[2], share * seconds)
 
     def _load_timing(self) -> None:
         file = self.path / "products" / "timing.json"

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from pipeline.cable.mosaic import Mosaic
 from pipeline.cable.ring import Alignment
-from pipeline.cable.surface import BlockSurface, SurfaceOptions, mesh_surface
+from pipeline.cable.surface import BlockSurface, SurfaceOptions, mesh_cells, mesh_surface
 from pipeline.cable.texture import UnrolledPicture
+from pipeline.core import mesh as surface_mesh
 from pipeline.core.vocabulary import Array
 from pipeline.report.types import Cloud, Mesh
 
@@ -19,10 +20,15 @@ def block_mesh(
     surface: BlockSurface, picture: UnrolledPicture, stands: NDArray[np.bool_], options: SurfaceOptions
 ) -> Mesh:
     """The cells that stand, (n, m) bool, as a mesh; the block's unrolled picture is its texture."""
-    tin = mesh_surface(surface, stands, options)
-    around = max(round(options.mesh_mm / 1000 / surface.cell_m[1]), 1)
-    along = max(round(options.mesh_mm / 1000 / surface.cell_m[0]), 1)
-    azimuth, y_m = surface.azimuth[::around], surface.y_m[::along]
+    return textured(mesh_surface(surface, stands, options), surface, picture, options)
+
+
+def textured(
+    tin: surface_mesh.Mesh, surface: BlockSurface, picture: UnrolledPicture, options: SurfaceOptions
+) -> Mesh:
+    """A block's TIN with the block's unrolled picture."""
+    rows, columns = mesh_cells(surface, options)
+    azimuth, y_m = surface.azimuth[columns], surface.y_m[rows]
     row, column = np.divmod(tin.cells, len(azimuth))
     return Mesh(
         vertices=tin.vertices,

@@ -16,6 +16,7 @@ from pipeline.cable.relief import Relief
 from pipeline.core.fits.cylinder import Cylinder, fit_cylinder
 from pipeline.core.vocabulary import Array
 from pipeline.report.model import ring_mesh
+from pipeline.report.notes import notes_of
 from pipeline.report.relief_records import ReliefFeature, ReliefSummary
 from pipeline.report.types import (
     AxisSummary,
@@ -66,7 +67,7 @@ def collect(
         mesh=ring_mesh(ring),
         timing_s=timing_s,
         peak_memory_mb=peak_memory_mb,
-        warnings=tuple(_warnings(run)),
+        warnings=notes_of(run),
     )
 
 
@@ -242,33 +243,6 @@ def _relief(relief: Relief) -> ReliefSummary:
         y_range_m=_edges(relief.y_m),
         level_mm=relief.level_mm,
     )
-
-
-def _warnings(run: CableRun) -> list[str]:
-    """What the reader must know before trusting the figures."""
-    said = []
-    if run.measurement.unmeasured:
-        said.append(
-            f"Too little of the surface was seen at {', '.join(run.measurement.unmeasured)}: not measured."
-        )
-    if not run.options.lens.correct:
-        said.append("The lens correction was switched off on purpose: the model is bent.")
-    for block in run.blocks:
-        if not block.block.lens_spec.calibrated and run.together is None:
-            said.append(
-                f"The focal length of {block.block.name} is a starting value that the adjustment holds: an "
-                "error of 1 % in it changes the diameter by about 0.5 %; calibrate the lens."
-            )
-        if not block.orientation.calibrated.all():
-            missing = int((~block.orientation.calibrated).sum())
-            said.append(f"{missing} frames of {block.block.name} could not be calibrated.")
-    joined = {n for j in run.mosaic.joins for n in (j.first, j.second)}
-    said.extend(
-        f"{b.block.name} shares no marks with its neighbours and stands where the POS put it."
-        for n, b in enumerate(run.blocks)
-        if n not in joined and len(run.blocks) > 1
-    )
-    return said
 
 
 def _rgb(image: NDArray[np.uint8]) -> NDArray[np.uint8]:

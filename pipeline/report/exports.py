@@ -17,7 +17,7 @@ import numpy as np
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from pipeline.report.files import write_whole
+from pipeline.core.files import write_bytes
 from pipeline.report.glb import glb_bytes
 from pipeline.report.metrics import compare_with_truth, mean, mean_absolute_error_mm
 from pipeline.report.ply import cloud_ply_bytes, mesh_ply_bytes
@@ -49,7 +49,7 @@ FORMAT = 1
 def write_report_json(path: Path, data: ReportData) -> Path:
     """Write the figures of the run; the contract's keys, and further ones beside them.  NaN becomes null."""
     text = json.dumps(_finite(_report_tree(data)), indent=2, ensure_ascii=False, allow_nan=False)
-    return write_whole(path, (text + "\n").encode())
+    return write_bytes(path, (text + "\n").encode(), "report")
 
 
 def write_diameters_csv(
@@ -67,22 +67,22 @@ def write_diameters_csv(
         elif compared:
             row += ["", ""]
         writer.writerow(row)
-    return write_whole(path, stream.getvalue().encode())
+    return write_bytes(path, stream.getvalue().encode(), "report")
 
 
 def write_model_ply(path: Path, mesh: Mesh) -> Path:
     """Write the mesh as binary PLY with normals, texture coordinates and a colour per vertex."""
-    return write_whole(path, mesh_ply_bytes(mesh))
+    return write_bytes(path, mesh_ply_bytes(mesh), "report")
 
 
 def write_model_glb(path: Path, mesh: Mesh) -> Path:
     """Write the mesh with its texture as binary glTF."""
-    return write_whole(path, glb_bytes(mesh))
+    return write_bytes(path, glb_bytes(mesh), "report")
 
 
 def write_cloud_ply(path: Path, cloud: Cloud) -> Path:
     """Write the points as binary PLY with normals and colours."""
-    return write_whole(path, cloud_ply_bytes(cloud))
+    return write_bytes(path, cloud_ply_bytes(cloud), "report")
 
 
 def write_unrolled_png(path: Path, picture: UnrolledPicture) -> Path:
@@ -94,7 +94,7 @@ def write_unrolled_png(path: Path, picture: UnrolledPicture) -> Path:
     stream = io.BytesIO()
     image = Image.fromarray(picture.image)
     image.save(stream, "PNG", pnginfo=text, dpi=(dots_per_inch, dots_per_inch))
-    return write_whole(path, stream.getvalue())
+    return write_bytes(path, stream.getvalue(), "report")
 
 
 def _report_tree(data: ReportData) -> dict[str, Any]:

@@ -10,8 +10,8 @@ from importlib.resources import files
 from pathlib import Path
 from string import Template
 
+from pipeline.core.files import write_bytes
 from pipeline.report import parts
-from pipeline.report.files import write_whole
 from pipeline.report.header import header
 from pipeline.report.labels import LANGUAGES, Language
 from pipeline.report.markup import Writer, escaped
@@ -51,7 +51,7 @@ def write_report_html(path: Path, data: ReportData, options: PageOptions | None 
     Raises:
         StageError: the path cannot be written.
     """
-    return write_whole(path, page_html(data, options or PageOptions()).encode())
+    return write_bytes(path, page_html(data, options or PageOptions()).encode(), "report")
 
 
 def page_html(data: ReportData, options: PageOptions) -> str:

@@ -4,13 +4,12 @@ Takes stations, gives inline SVG (see ``svg``).  The x axis points right and z u
 when looking in the direction of travel.
 """
 
-from itertools import pairwise
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pipeline.core.vocabulary import Array
+from pipeline.report.deviation import section_deviation_mm
 from pipeline.report.labels import Language, label
 from pipeline.report.svg import BLUE, INK, QUIET, inline_svg, plot_style
 from pipeline.report.types import StationResult
@@ -44,17 +43,9 @@ def section_deviation(station: StationResult, step_deg: float = 1.0) -> tuple[Ar
 
     One value per step; NaN where the section has no points, so that a drawn line breaks at a gap.
     """
-    offset = station.section_mm - np.asarray(station.circle_centre_mm)
-    angle_deg = np.degrees(np.arctan2(offset[:, 1], offset[:, 0])) % 360
-    distance = np.hypot(offset[:, 0], offset[:, 1]) - station.circle_radius_mm
-    count = round(360 / step_deg)
-    bins = np.minimum((angle_deg / step_deg).astype(int), count - 1)
-    order = np.argsort(bins, kind="stable")
-    edges = np.searchsorted(bins[order], np.arange(count + 1))
-    groups = pairwise(edges)
-    medians = [np.median(distance[order[start:end]]) if end > start else np.nan for start, end in groups]
-    centres_deg: Array = (np.arange(count, dtype=np.float64) + 0.5) * step_deg
-    return centres_deg, np.asarray(medians, dtype=np.float64)
+    return section_deviation_mm(
+        station.section_mm, np.asarray(station.circle_centre_mm), station.circle_radius_mm, step_deg
+    )
 
 
 def sections_plot(stations: tuple[StationResult, ...], factor: int, language: Language) -> str:

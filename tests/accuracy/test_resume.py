@@ -34,6 +34,7 @@ def stations(folder):
 def test_a_run_started_again_makes_nothing_twice(rendered, finished, copied):
     done, remade = run_again(rendered, copied)
     assert remade == set()
+    assert not (copied / "outdated").exists()
     assert done.seconds < 0.5 * finished.command.seconds
     assert stations(copied) == stations(finished.folder)
     assert "truth" not in json.loads((copied / "report.json").read_text())
@@ -89,6 +90,8 @@ def test_one_block_filmed_again_leaves_the_others_alone_until_all_are_joined(ren
     after = products(copied)
     remade = {name for name in before if after.get(name) != before[name]}
     alone = {f"Block2-{stage}" for stage in ("lens", "pos", "match", "adjust")}
+    assert not (copied / "report.json").exists()  # it tells of the film before
+    assert (copied / "outdated" / "report.json").exists()
     assert remade - {"Block1-dense"} == {"all-frames", *alone, "all-closing", "all-joint"}
 
 

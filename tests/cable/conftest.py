@@ -39,3 +39,17 @@ def barrel_map(barrel_frames, barrel_orientation, tmp_path_factory):
     """The dense surface from true orientations."""
     scratch = tmp_path_factory.mktemp("scratch")
     return sweep_block(barrel_frames, barrel_orientation, 0.0, DenseOptions(), scene.silent, scratch)
+
+
+@pytest.fixture
+def written(tmp_path):
+    """A function that writes a survey text beside its files and gives the path."""
+    (tmp_path / "block1.mp4").write_bytes(b"video")
+    (tmp_path / "block1_pos.csv").write_text("")
+
+    def write(text):
+        path = tmp_path / "survey.toml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write

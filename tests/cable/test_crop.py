@@ -119,3 +119,41 @@ def test_a_block_of_which_nothing_is_left_is_refused():
     assert str(told.value) == (
         "crop: nothing of Block1 is left; raise crop.incidence_deg or lower crop.least_score."
     )
+
+
+def test_only_the_stretch_between_two_stations_stays():
+    whole = crop(block_surface()).keep
+    found = crop(block_surface(), from_m=0.01, to_m=0.04).keep
+    y_m = CELL_M * np.arange(120)
+    inside = (y_m >= 0.01) & (y_m <= 0.04)
+    assert not found[~inside].any()
+    # the opening rounds the two new corners on each side, no more
+    assert whole[inside].sum() - found[inside].sum() < 4 * 6 * 6
+    np.testing.assert_array_equal(found[40:60], whole[40:60])
+
+
+@pytest.mark.parametrize(
+    ("limits", "kept"), [({"from_m": 0.03}, slice(60, None)), ({"to_m": 0.03}, slice(0, 60))]
+)
+def test_one_station_alone_cuts_one_end(limits, kept):
+    found = crop(block_surface(), **limits).keep.any(axis=1)
+    assert found[kept].all()
+    assert 58 < found.sum() < 62
+
+
+def test_a_stretch_that_ends_before_it_begins_is_refused():
+    with pytest.raises(StageError) as told:
+        crop(block_surface(), from_m=0.04, to_m=0.01)
+    assert str(told.value) == (
+        "crop: crop.from_m is 0.04 and crop.to_m is 0.01; "
+        "let the stretch that stays end behind its beginning."
+    )
+
+
+def test_a_stretch_beyond_the_block_is_refused():
+    with pytest.raises(StageError) as told:
+        crop(block_surface(), from_m=1.0)
+    assert str(told.value) == (
+        "crop: nothing of Block1 is left; raise crop.incidence_deg or lower crop.least_score, "
+        "or move crop.from_m and crop.to_m apart."
+    )

@@ -8,20 +8,10 @@ import pycolmap
 import pytest
 from scipy.spatial.transform import Rotation
 
-from pipeline.cable.dense import DenseMethod, DenseOptions, sweep_block
+from pipeline.cable.dense import DenseMethod, DenseOptions
 from pipeline.core.errors import StageError
 from tests.cable import scene
-
-
-def sweep(frames, orientation, folder, options=None, azimuth_deg=0.0, emit=scene.silent):
-    return sweep_block(frames, orientation, azimuth_deg, options or DenseOptions(), emit, folder)
-
-
-def error_mm(found):
-    """Distance of every cell from the true cylinder about the y axis, whatever axis the map has."""
-    azimuth, y_m = np.meshgrid(found.azimuth, found.y_m)
-    points = found.axis.roll(azimuth.ravel(), y_m.ravel(), found.radius_m.ravel().astype(float))
-    return 1000 * (np.hypot(points[:, 0], points[:, 2]) - scene.RADIUS_M).reshape(azimuth.shape)
+from tests.cable.swept import error_mm, sweep
 
 
 def test_the_surface_is_right(barrel_map):

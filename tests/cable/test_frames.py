@@ -10,11 +10,13 @@ import pytest
 from pipeline.cable.frames import (
     FrameOptions,
     combined_sharpness,
+    every_frame,
     extract_frames,
     select_frames,
     select_spread,
     sharpness,
 )
+from pipeline.cable.sources import count_frames, read_frame, read_frames
 from pipeline.cable.survey import survey_from
 from pipeline.core.errors import Cancelled, StageError
 from pipeline.core.events import silent
@@ -275,3 +277,32 @@ def test_of_images_at_uneven_steps_the_sharpest_in_every_half_spacing_stays():
     assert select_spread(values, fractions, 0.2, few).tolist() == [1, 6, 0]
     with pytest.raises(StageError, match="leave 2 of 7 frames"):
         select_spread(values, fractions, 0.2, FrameOptions(most_frames=2))
+
+
+@pytest.mark.parametrize("name", ["one.mp4", "one"])
+def test_one_frame_alone_is_the_same_as_in_the_row(tmp_path, name):
+    images = [picture(k) for k in range(12)]
+    if name.endswith(".mp4"):
+        write_video(tmp_path / name, images)
+    else:
+        write_images(tmp_path / name, images, [f"img{k}.png" for k in range(12)])
+    (block,) = survey_of(tmp_path, name).blocks
+    whole = list(read_frames(block))
+    assert count_frames(block) == len(whole) == 12
+    for index in (7, 0, 11):
+        alone = read_frame(block, index)
+        assert (alone.index, alone.promised) == (index, 12)
+        np.testing.assert_array_equal(alone.image, whole[index].image)
+    for index in (-1, 12):
+        with pytest.raises(StageError, match=f"has no frame {index}, for it holds 12; choose one from 0 to 11"):
+            read_frame(block, index)
+
+
+def test_every_frame_is_named_as_the_chosen_ones_are(tmp_path):
+    write_video(tmp_path / "one.mp4", [picture(k) for k in range(12)])
+    survey = survey_of(tmp_path, "one.mp4")
+    (chosen,) = extract_frames(survey, FrameOptions(spacing_mm=50.0), tmp_path / "out", silent)
+    every = every_frame(survey.blocks[0])
+    assert (len(every), every.source_count, every.width_px, every.height_px) == (12, 12, *SIZE)
+    assert len(chosen) == 5
+    assert [every.files[k].name for k in chosen.source_indices] == [file.name for file in chosen.files]

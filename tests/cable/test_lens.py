@@ -172,3 +172,18 @@ def test_before_and_after_share_a_canvas_and_the_middle_of_the_picture(frames):
     corner = pixels_to_rays(LENS, [[0.0, 300.0]]) * 720 + [width / 2, height / 2]
     assert (before[height // 2, 0] == 255).all()
     assert 0 <= corner[0, 0] < 1  # the edge's middle just fits
+
+
+def test_a_grid_over_both_is_straight_after_and_bent_before(frames):
+    frame = np.full_like(read_image(frames.files[0]), 90)
+    plain, gridded = (before_after_picture(frame, LENS, cells) for cells in (0, 12))
+    drawn = [(a.astype(int) - b).any(axis=2) for a, b in zip(gridded, plain, strict=True)]
+    height, width = plain[0].shape[:2]
+    left, top = (width - 960) // 2, (height - 600) // 2
+    ideal = np.array([[480 + 80 * 4 + 20.0, 300 + 80 * 3]])  # on a level line, between two upright ones
+    x, y = (np.floor(ideal[0]) + [left, top]).astype(int)
+    assert drawn[1][y - 1 : y + 2, x].any()
+    assert not drawn[0][y - 2 : y + 3, x].any()
+    seen = rays_to_pixels(LENS, (ideal - [480, 300]) / 720)
+    x, y = (np.floor(seen[0]) + [left, top]).astype(int)
+    assert drawn[0][y - 1 : y + 2, x].any()

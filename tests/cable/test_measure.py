@@ -1,5 +1,7 @@
 """Diameters are those of the cable, with a standard deviation that tells how far they may be trusted."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -93,6 +95,52 @@ def test_no_station_at_all_is_refused():
         "measure: no station was seen well enough to be measured; "
         "place stations where the cameras passed, and check angle_deg of every block."
     )
+
+
+def hidden(half_mm, blocks_seen=1):
+    """The ring; about B, so far to either side, only the first blocks see the cable, 120 degrees each."""
+    blocks, crops = pieces.ring(noise_mm=0.03)
+    away_mm = 1000 * np.abs(blocks[0].surface.y_m - 0.06)
+    seen = np.repeat(away_mm[:, None] > half_mm, len(blocks[0].surface.azimuth), axis=1)
+    return blocks, tuple(c if n < blocks_seen else replace(c, keep=seen) for n, c in enumerate(crops))
+
+
+def around_deg(section):
+    """Azimuths of a section's points about its middle."""
+    x, z = section.points_mm.T
+    return np.degrees(np.arctan2(-z, x))
+
+
+def test_where_little_is_seen_the_slice_is_longer_and_the_coverage_told_is_that_of_the_wanted_one():
+    """Half of 10 mm shows the first block alone, half of 20 mm the whole girth."""
+    plain, station, _ = pieces.measure(*hidden(7.0)).sections
+    assert plain.coverage_deg == 360
+    assert station.coverage_deg == pytest.approx(120, abs=3)
+    assert np.ptp(around_deg(station)) > 340
+    assert station.diameter_mm == pytest.approx(110.0, abs=0.01)
+
+
+def test_a_slice_is_no_longer_than_it_must_be():
+    """Two blocks show 210 degrees, which is enough; 20 mm would show all."""
+    section = pieces.measure(*hidden(7.0, blocks_seen=2), wanted_coverage_deg=180.0).sections[1]
+    assert section.coverage_deg == pytest.approx(210, abs=3)
+    assert np.ptp(around_deg(section)) == pytest.approx(210, abs=3)
+
+
+@pytest.mark.parametrize(("longest_mm", "whole"), [(39.0, False), (40.0, True)])
+def test_no_slice_is_longer_than_the_longest(longest_mm, whole):
+    """The others begin 12 mm away: 10 and 20 mm show one block, 40 mm all of them."""
+    section = pieces.measure(*hidden(12.0), longest_slice_mm=longest_mm).sections[1]
+    assert section.coverage_deg == pytest.approx(120, abs=3)
+    assert (np.ptp(around_deg(section)) > 340) == whole
+
+
+def test_a_station_hidden_in_its_own_slice_is_measured_by_what_is_seen_beside_it():
+    blocks, crops = hidden(7.0, blocks_seen=0)
+    station = pieces.measure(blocks, crops).sections[1]
+    assert (station.name, station.coverage_deg) == ("B", 0.0)
+    assert station.diameter_mm == pytest.approx(110.0, abs=0.01)
+    assert pieces.measure(blocks, crops, longest_slice_mm=19.0).unmeasured == ("B",)
 
 
 def test_too_small_an_arc_is_no_circle():

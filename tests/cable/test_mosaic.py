@@ -7,7 +7,14 @@ import pytest
 from scipy.linalg import block_diag
 from scipy.spatial.transform import Rotation
 
-from pipeline.cable.mosaic import MosaicOptions, PointPairs, lookup, mosaic_blocks, surface_at
+from pipeline.cable.mosaic import (
+    MosaicOptions,
+    PointPairs,
+    lookup,
+    mosaic_blocks,
+    residuals_mm,
+    surface_at,
+)
 from tests.cable import pieces, scene
 
 TEXTURE = scene.Texture(seed=3)
@@ -198,3 +205,14 @@ def test_lookup_is_bilinear():
     places = np.radians([-30.0, 0.1, 44.4]), np.array([0.011, 0.052, 0.0999])
     found = lookup(block.surface, 3 * a + 2 * y, *places)
     np.testing.assert_allclose(found, 3 * places[0] + 2 * places[1], atol=1e-9)
+
+
+def test_residuals_of_pairs_are_along_around_and_out_of_the_cable(astray):
+    """At azimuth 90 degrees the cable's way out is -z, around is -x."""
+    still = standing_still(astray).placement
+    point = np.array([[0.0, 0.1, -0.055]])
+    aside = point - np.array([[0.2e-3, 0.3e-3, 0.4e-3]])
+    pairs = PointPairs(first=0, second=1, points_first=point, points_second=aside)
+    np.testing.assert_allclose(
+        np.abs(residuals_mm(pairs, still, MosaicOptions())), [[0.3, 0.2, 0.4]], atol=1e-9
+    )

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pipeline.cable.pairs import read_pairs
+from pipeline.cable.pairs import HandPair, read_pairs, write_pairs
 from pipeline.core.errors import StageError
 
 BLOCKS = ("Block1", "Block2", "Block3")
@@ -112,3 +112,18 @@ def test_a_missing_column_is_named(tmp_path):
 def test_a_block_is_not_paired_with_itself(tmp_path):
     path = write(tmp_path, "Block1,1,2,3,Block1,4,5,6")
     assert refusal(path) == f"mosaic: line 2 of {path} pairs a block with itself; name two blocks."
+
+
+def test_pairs_that_were_written_read_back_to_the_last_digit(tmp_path):
+    path, third = tmp_path / "pairs.csv", 1 / 3
+    pairs = [
+        HandPair(block_a=2, block_b=1, point_a=(third, 0.2, -third), point_b=(0.1, 0.2 / 3, 0.3)),
+        HandPair(block_a=1, block_b=2, point_a=(0.7, 0.8, 0.9), point_b=(1e-9, 2.0, np.float32(0.1))),
+    ]
+    write_pairs(path, pairs, BLOCKS)
+    (found,) = read_pairs(path, BLOCKS)
+    assert (found.first, found.second) == (1, 2)
+    np.testing.assert_array_equal(found.points_first, [[0.1, 0.2 / 3, 0.3], [0.7, 0.8, 0.9]])
+    np.testing.assert_array_equal(
+        found.points_second, [[third, 0.2, -third], [1e-9, 2.0, float(np.float32(0.1))]]
+    )

@@ -14,6 +14,7 @@ from pipeline.cable.pos import (
     robot_priors,
     write_pos,
 )
+from pipeline.cable.pos_file import NO_FRAME, TAKEN, match_pos
 from pipeline.cable.survey import Block, Cable, LensSpec, Robot, Survey
 from pipeline.core.errors import StageError
 from pipeline.core.vocabulary import FrameSequence, Poses, PosPriors, TravelDirection
@@ -278,3 +279,13 @@ def test_a_block_takes_its_file_where_the_survey_names_one(folder):
     assert measured.poses.centres[-1, 1] == pytest.approx(0.09)
     assert constructed.poses.centres[-1, 1] == pytest.approx(0.46)
     assert measured.sigmas[0, 3] == pytest.approx(0.002)
+
+
+def test_a_look_at_a_file_tells_what_became_of_each_row_and_refuses_no_name(folder):
+    rows = [GOOD[2], GOOD[0], "window.png,0.3,0,0,0,0,0", "2,0.3,0,0,0,0,0", GOOD[9]]
+    found = match_pos(table(folder, rows), frames_of(folder))
+    assert found.names == ("000002.png", "000000.png", "window.png", "2", "000009.png")
+    assert found.frames == (2, 0, NO_FRAME, TAKEN, 9)
+    assert found.without_row == (1, 3, 4, 5, 6, 7, 8)
+    with pytest.raises(StageError, match="x is empty"):
+        match_pos(table(folder, ["000001.png,,0,0,0,0,0"]), frames_of(folder))

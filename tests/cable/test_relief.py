@@ -184,6 +184,20 @@ def test_a_noisy_map_bears_no_features_either():
     assert found.features == ()
 
 
+@pytest.mark.parametrize(("widest_mm", "found"), [(WINDOW_MM + 0.1, 1), (WINDOW_MM - 0.1, 0)])
+def test_in_a_map_of_wide_windows_no_features_are_looked_for(widest_mm, found):
+    """They flatten relief, and their noise looks like it; the base stands all the same."""
+    seen = relief(dome(1.5, 150, 0), widest_window_mm=widest_mm)
+    assert len(seen.features) == found
+    assert np.isfinite(seen.level_mm) == bool(found)
+    np.testing.assert_allclose(seen.base_diameter_mm, 110.0, atol=0.02)
+
+
+def test_broad_windows_are_too_wide_unless_told_otherwise():
+    """Narrow ones are some 3 to 6 mm wide, broad ones from 20 mm."""
+    assert 6 < ReliefOptions().widest_window_mm < 20
+
+
 @pytest.mark.parametrize("share", [0.03, 0.0])
 def test_where_next_to_nothing_was_seen_nothing_is_told(share):
     found = relief(known=holes(1 - share))

@@ -1,67 +1,13 @@
 """survey.toml is read strictly: what is wrong is told in one sentence with the key's full name."""
 
 import math
-from pathlib import Path
 
 import pytest
 
 from pipeline.cable.survey import LensSpec, read_survey, write_survey
 from pipeline.core.errors import StageError
 from pipeline.core.vocabulary import LambdaRadius, TravelDirection
-
-CONTRACT = """
-format = 1
-name = "stay-07"
-
-[cable]
-travel_m = 0.46
-diameter_mm = 110.0
-[[cable.station]]
-name = "A"
-position_m = 0.10
-
-[robot]
-standoff_m = 0.30
-synchronised = true
-
-[[block]]
-name = "Block1"
-source = "block1.mp4"
-angle_deg = 0.0
-travel_in_image = "right"
-pos = "block1_pos.csv"
-[block.lens]
-focal_px = 720.0
-principal_point_px = [480.0, 300.0]
-division_lambda = -0.02
-lambda_radius = "half-diagonal"
-calibrated = false
-"""
-
-SECOND_BLOCK = """
-[[block]]
-name = "Block2"
-source = "block1.mp4"
-angle_deg = 90
-travel_in_image = "up"
-[block.lens]
-focal_mm = 4.5
-sensor_width_mm = 6.0
-"""
-
-
-@pytest.fixture
-def written(tmp_path):
-    """A function that writes a survey text beside its files and gives the path."""
-    (tmp_path / "block1.mp4").write_bytes(b"video")
-    (tmp_path / "block1_pos.csv").write_text("")
-
-    def write(text):
-        path = tmp_path / "survey.toml"
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    return write
+from tests.cable.survey_text import CONTRACT, SECOND_BLOCK
 
 
 def test_the_example_of_the_contract_is_read_in_full(written):
@@ -254,13 +200,10 @@ def test_a_file_that_is_none_is_refused(tmp_path):
         read_survey(tmp_path / "binary.toml")
 
 
-def test_a_written_survey_reads_back_the_same(written, tmp_path):
-    text = CONTRACT.replace("stay-07", 'Stahlseil \\"7\\" 缆') + SECOND_BLOCK
-    survey = read_survey(
-        written(text + '[options.frames]\nspacing_mm = 5\nmask = { top = [1, 2], kind = "x" }\n')
-    )
-    copy = tmp_path / "elsewhere" / "survey.toml"
-    write_survey(survey, copy)
-    assert read_survey(copy) == survey
-    assert 'source = "../block1.mp4"' in copy.read_text(encoding="utf-8")
-    assert not Path(tmp_path / "elsewhere").samefile(tmp_path)
+def test_a_travel_of_which_nothing_is_stated_is_known_to_half_a_tenth_of_a_millimetre(written):
+    assert read_survey(written(CONTRACT)).cable.travel_sigma_mm == 0.05
+
+
+def test_a_negative_sigma_of_the_travel_is_refused(written):
+    with pytest.raises(StageError, match=r"cable\.travel_sigma_mm is -0\.1"):
+        read_survey(written(CONTRACT.replace("[cable]\n", "[cable]\ntravel_sigma_mm = -0.1\n")))

@@ -129,7 +129,7 @@ def test_cells_whose_window_leaves_the_picture_are_not_used(barrel_view):
     view = SurfaceView(barrel_view.lens, barrel_view.poses, REFERENCE, far)
     radius = np.full((251, len(GRID.azimuth)), scene.RADIUS_M, dtype=np.float32)
     column, _ = view.pixels(radius)
-    visible = view.visible(radius, WINDOW) > 0
+    visible = view.visible(view.pixels(radius), WINDOW) > 0
     inside = (column > 1) & (column < scene.WIDTH_PX - 3)
     kernel = np.ones((WINDOW, WINDOW), dtype=np.uint8)
     np.testing.assert_array_equal(visible, cv2.erode(inside.astype(np.uint8), kernel, borderValue=1) > 0)

@@ -151,3 +151,14 @@ def test_remap_moves_a_picture_of_the_coordinates_to_where_they_belong():
     rays = division.pixels_to_rays(pinhole, np.column_stack([columns + 0.5, rows + 0.5]))
     expected = division.rays_to_pixels(lens, rays)[:, 0]
     np.testing.assert_allclose(undistorted[rows, columns], expected, atol=0.04)  # remap works in 1/32 px
+
+
+@pytest.mark.parametrize("division_lambda", [-0.3, -0.02, 0.0, 0.3, 0.6])
+def test_the_remap_tables_are_those_of_the_two_mappings_to_the_last_bit(division_lambda):
+    lens = lens_of(division_lambda, principal_point_px=(471.3, 310.7))
+    pinhole = division.undistorted_lens(lens)
+    x, y = np.meshgrid(np.arange(pinhole.width_px) + 0.5, np.arange(pinhole.height_px) + 0.5)
+    rays = division.pixels_to_rays(pinhole, np.stack([x, y], axis=-1))
+    expected = np.nan_to_num(division.rays_to_pixels(lens, rays) - 0.5, nan=-1e4).astype(np.float32)
+    np.testing.assert_array_equal(np.stack(division.undistortion_maps(lens, pinhole), axis=-1), expected)
+    assert (expected == -1e4).any() == (division_lambda == 0.6)

@@ -78,6 +78,11 @@ def test_csv_floats_read_back_the_same(tmp_path):
     assert (tmp_path / "a.csv").read_text() == 'name,x\none,0.30000000000000004\n"two, too",1e-17\n'
 
 
+def test_bytes_are_written_as_they_are(tmp_path):
+    content = bytes(range(256))
+    assert files.write_bytes(tmp_path / "deep" / "a.bin", content).read_bytes() == content
+
+
 def test_png_keeps_every_pixel(tmp_path):
     image = np.random.default_rng(1).integers(0, 256, (20, 30, 3), dtype=np.uint8)
     files.write_png(tmp_path / "a.png", image)

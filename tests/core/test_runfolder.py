@@ -197,7 +197,8 @@ def test_only_one_stage_is_refused_while_another_is_missing(tmp_path):
     with pytest.raises(StageError) as told:
         work.stage("source", 1.0, 1.0)
     assert str(told.value) == (
-        "run: the stage source is not finished in stay-07; run it first, without --only."
+        "run: the stage source is not finished in stay-07 with this survey and these options; "
+        "run it first, without --only."
     )
     assert work.made == []
 

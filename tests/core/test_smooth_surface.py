@@ -129,9 +129,9 @@ def test_the_step_is_that_of_all_equations_solved_at_once():
     rows = np.zeros((2 * len(seen) + 40 + 5 + own, places + 120))
     images = rows[: 2 * len(seen)].reshape(len(seen), 2, -1)
     for n in range(len(seen)):
-        images[n][:, state.columns[n]] += state.orientation[n]
+        images[n][:, state.columns[state.image[n]]] += state.orientation[:, :, n].T
         first = places + 3 * seen.point[n]
-        images[n][:, first : first + 3] += state.points[n]
+        images[n][:, first : first + 3] += state.points[:, :, n].T
     for m in range(40):
         rows[2 * len(seen) + m, own:places] = said.shared[m]
         rows[2 * len(seen) + m, places + 3 * m : places + 3 * m + 3] = said.points[m]

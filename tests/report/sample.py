@@ -191,6 +191,28 @@ def relief(rows=120, columns=90):
     )
 
 
+def axis(y):
+    bend = np.sin(np.pi * y / LENGTH_M)
+    return AxisSummary(
+        straightness_mm_per_m=0.214,
+        position_m=y,
+        bow_mm=np.stack([0.06 * bend, -0.03 * bend], axis=1),
+        centre_mm=np.stack([0.06 * bend + y, -0.03 * bend - 2 * y], axis=1),
+    )
+
+
+def mosaic():
+    joints = (
+        MosaicJoint(first=BLOCKS[i], second=BLOCKS[(i + 1) % 4], pairs=312 - i, residual_mm=0.081)
+        for i in range(4)
+    )
+    return MosaicSummary(
+        joints=tuple(joints),
+        scale_corrections={name: 1.0 + 0.000213 * (i - 1) for i, name in enumerate(BLOCKS)},
+        tie_points=1240,
+    )
+
+
 def report_data(**changes):
     """Everything a full run has; keywords replace fields."""
     positions = (0.1, 0.19, 0.28, 0.37)
@@ -199,7 +221,6 @@ def report_data(**changes):
         for seed, (name, position) in enumerate(zip(TRUE_MM, positions, strict=True))
     )
     y = np.linspace(0.02, 0.44, 85)
-    bend = np.sin(np.pi * y / LENGTH_M)
     fields = {
         "name": "stay-07",
         "length_m": LENGTH_M,
@@ -225,20 +246,8 @@ def report_data(**changes):
             diameter_mm=np.interp(y, positions, [TRUE_MM[name] for name in TRUE_MM]) + 0.02 * np.sin(60 * y),
             sigma_mm=np.full(len(y), 0.035),
         ),
-        "axis": AxisSummary(
-            straightness_mm_per_m=0.214,
-            position_m=y,
-            bow_mm=np.stack([0.06 * bend, -0.03 * bend], axis=1),
-            centre_mm=np.stack([0.06 * bend + y, -0.03 * bend - 2 * y], axis=1),
-        ),
-        "mosaic": MosaicSummary(
-            joints=tuple(
-                MosaicJoint(first=BLOCKS[i], second=BLOCKS[(i + 1) % 4], pairs=312 - i, residual_mm=0.081)
-                for i in range(4)
-            ),
-            scale_corrections={name: 1.0 + 0.000213 * (i - 1) for i, name in enumerate(BLOCKS)},
-            tie_points=1240,
-        ),
+        "axis": axis(y),
+        "mosaic": mosaic(),
         "relief": relief(),
         "mesh": cylinder_mesh(),
         "timing_s": {"frames": 8.1, "lens": 2.4, "match": 31.5, "adjust": 44.2, "dense": 61.0, "report": 3.9},

@@ -200,9 +200,10 @@ def test_the_unrolled_picture_carries_its_scale(tmp_path):
         assert read.info["dpi"] == pytest.approx((101.6, 101.6), abs=0.05)
 
 
-def test_a_folder_that_is_missing_is_named(tmp_path):
-    with pytest.raises(StageError, match=r"nowhere.report\.json cannot be written"):
-        exports.write_report_json(tmp_path / "nowhere" / "report.json", sample.report_data())
+def test_a_place_that_cannot_be_written_is_named(tmp_path):
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises(StageError, match=r"report: cannot write .*file.report\.json"):
+        exports.write_report_json(tmp_path / "file" / "report.json", sample.report_data())
 
 
 def test_a_failed_write_leaves_the_old_file_and_no_rest(tmp_path):

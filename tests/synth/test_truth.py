@@ -6,8 +6,9 @@ import tomllib
 import numpy as np
 import pytest
 
+from pipeline.cable.survey import read_survey
 from synth.spec import Cable, Defect, Fillet, LensSpec, Robot, Sensor, Spec, Station, SurveyClaim
-from synth.truth import survey_toml, truth_of
+from synth.truth import source_name, survey_toml, truth_of
 
 SPEC = Spec(
     name='stay "7"',
@@ -144,6 +145,15 @@ def test_the_travel_is_stated_with_a_sigma_only_where_one_is_claimed():
     stated = tomllib.loads(survey_toml(Spec(survey=SurveyClaim(travel_sigma_mm=0.46))))["cable"]
     assert stated["travel_sigma_mm"] == 0.46
     assert "travel_sigma_mm" not in tomllib.loads(survey_toml(Spec()))["cable"]
+
+
+def test_the_pipeline_reads_the_travel_and_its_sigma_as_they_were_claimed(tmp_path):
+    spec = Spec(survey=SurveyClaim(travel_sigma_mm=0.46, travel_error_percent=0.1))
+    (tmp_path / "survey.toml").write_text(survey_toml(spec))
+    for index in range(len(spec.blocks)):
+        (tmp_path / source_name(spec, index)).touch()
+    cable = read_survey(tmp_path / "survey.toml").cable
+    assert (cable.travel_sigma_mm, cable.travel_m) == (0.46, pytest.approx(1.001 * spec.robot.travel_m))
 
 
 def test_a_lost_block_is_missing_in_the_survey_only():

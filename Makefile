@@ -11,10 +11,10 @@ export PYTHONHASHSEED ?= 0
 export MPLBACKEND ?= Agg
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test accuracy lint bench clean
+.PHONY: help setup demo test accuracy lint bench extension install-extension test-ui clean
 
 help: ## this list
-	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 16
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 26
 
 setup: .venv/.ready ## make .venv with Python 3.13 and the pinned packages
 
@@ -26,6 +26,7 @@ demo: .venv/.ready ## render a survey, reconstruct it, print the diameters again
 
 test: .venv/.ready ## run the tests
 	@$(PY) -m pytest
+	@$(PY) -m pytest tests/addon
 
 accuracy: .venv/.ready ## the gate: paper and sway in small, each figure between two bounds (SEED=11): minutes
 	@$(PY) -m synth.gate --seed $(SEED) --out out/accuracy
@@ -35,9 +36,19 @@ lint: .venv/.ready ## check style and types
 	@$(PY) -m ruff format --check .
 	@$(PY) -m mypy
 	@$(PY) -m mypy -p tools.observability
+	@$(PY) -m mypy -p tools.extension
 
 bench: .venv/.ready ## every scenario with several seeds (SEEDS="1 2 3") and stock COLMAP, to docs/benchmark.md: hours
 	@$(PY) -m synth suite --seeds $(SEEDS) --out out/bench --stock --keep-runs --docs docs
+
+extension: .venv/.ready ## the Blender extension, a zip for each platform, in build/extension/all
+	@$(PY) -m tools.extension build
+
+install-extension: .venv/.ready ## build it for a Blender of this machine and install it there (BLENDER=blender)
+	@$(PY) -m tools.extension install --blender "$(or $(BLENDER),blender)"
+
+test-ui: .venv/.ready ## walk the flow in a real Blender's window (BLENDER=blender), pictures in out/ui
+	@$(PY) -m tests.ui --blender "$(or $(BLENDER),blender)"
 
 clean: ## remove what demo, bench and the checks made; .venv stays
 	rm -rf out build .pytest_cache .mypy_cache .ruff_cache

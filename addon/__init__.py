@@ -9,14 +9,19 @@ The rooms, in the order in which they are registered:
 - ``operators``: what a button does, by area; thin;
 - ``panels``: the sidebar tab, by area, in the order of the work.
 
+- ``opened``: the run that a scene shows, kept in memory until another file is loaded;
+- ``results.lens_view``: the preview of a lens, which follows undo;
+- ``overlay``: what is written over the 3D views.
+
 Beside them: ``gather`` and ``apply`` turn properties into the pipeline's records and back, ``jobs`` runs the
 command line in a process of its own, ``results`` builds the datablocks, ``library`` knows where the staged
 pipeline and the bundled wheels lie.  No algorithm is here: those are in ``pipeline``.
 """
 
-from . import operators, panels, preferences, properties, translations
+from . import opened, operators, overlay, panels, preferences, properties, translations
+from .results import lens_view
 
-_ROOMS = (translations, preferences, properties, operators, panels)
+_ROOMS = (translations, preferences, properties, opened, lens_view, operators, panels, overlay)
 
 
 def register() -> None:

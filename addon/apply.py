@@ -10,6 +10,7 @@ import bpy
 from pipeline.cable.survey import Survey, read_survey
 from pipeline.cable.survey_records import Block
 from pipeline.cable.survey_writer import survey_toml
+from pipeline.core.options import build
 
 from .properties.survey import CableTwinBlock, CableTwinSurvey
 
@@ -22,6 +23,7 @@ def open_survey(scene: bpy.types.Scene, path: Path) -> Survey:
     """
     survey = read_survey(path)
     apply_survey(scene.cabletwin.survey, survey, path)
+    apply_crop(scene, survey)
     return survey
 
 
@@ -44,6 +46,27 @@ def apply_survey(survey: CableTwinSurvey, values: Survey, path: Path) -> None:
     for block in values.blocks:
         _apply_block(survey.blocks.add(), block)
     survey.block_index = survey.station_index = 0
+
+
+def apply_crop(scene: bpy.types.Scene, values: Survey) -> None:
+    """Set the options of the crop from the survey's; a preview of another survey's blocks ends.
+
+    Raises:
+        StageError: a value is out of its range.
+    """
+    from pipeline.cable.crop import CropOptions
+
+    from .results.crop_preview import end_preview
+
+    end_preview(scene)
+    crop = scene.cabletwin.crop
+    options = build(CropOptions, values.stage_options("crop"), key="options.crop")
+    crop.incidence, crop.least_score = math.radians(options.incidence_deg), options.least_score
+    crop.fringe = options.fringe_mm / 1000
+    for use, key, value in (("use_start", "start", options.from_m), ("use_end", "end", options.to_m)):
+        setattr(crop, use, value is not None)
+        if value is not None:
+            setattr(crop, key, value)
 
 
 def remember(survey: CableTwinSurvey, values: Survey, path: Path) -> None:

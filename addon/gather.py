@@ -10,13 +10,18 @@ import math
 import struct
 from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import bpy
 
 from pipeline.cable.survey import Survey, survey_from
 from pipeline.core.errors import StageError
+from pipeline.core.options import build
 
 from .properties.survey import CableTwinBlock, CableTwinSurvey
+
+if TYPE_CHECKING:
+    from pipeline.cable.crop import CropOptions
 
 
 def gather_survey(scene: bpy.types.Scene) -> Survey:
@@ -29,6 +34,30 @@ def gather_survey(scene: bpy.types.Scene) -> Survey:
     if not survey.filepath:
         raise StageError("survey", "the survey is not saved", "save it first: its paths count from there")
     return survey_from(survey_values(survey), survey_path(survey).parent)
+
+
+def gather_blocks(scene: bpy.types.Scene, *names: str, constructed: bool = False) -> Survey:
+    """The survey of these blocks alone, checked in the same way: for what looks at one camera at a time.
+
+    Args:
+        scene: that holds the survey.
+        names: of the blocks.
+        constructed: leave their POS files out.
+
+    Raises:
+        StageError: no such block, or what survey.toml would be refused for.
+    """
+    survey = scene.cabletwin.survey
+    values = survey_values(survey)
+    described = values["block"]
+    written = described if isinstance(described, list) else []
+    chosen = [dict(block) for name in names for block in written if block["name"] == name]
+    if len(chosen) < len(names):
+        raise StageError("survey", "the survey has no such block", "choose one in the panel Survey")
+    for block in chosen if constructed else ():
+        block.pop("pos", None)
+    folder = survey_path(survey).parent if survey.filepath else Path(bpy.path.abspath("//"))
+    return survey_from({**values, "block": chosen}, folder)
 
 
 def survey_path(survey: CableTwinSurvey) -> Path:
@@ -63,7 +92,7 @@ def _block_values(block: CableTwinBlock) -> dict[str, object]:
         "source": bpy.path.abspath(block.source),
         "angle_deg": math.degrees(block.angle),
         "travel_in_image": block.travel_in_image,
-        "pos": bpy.path.abspath(block.pos) if block.pos else None,
+        "pos": bpy.path.abspath(block.pos) if block.pos_from == "CSV" else None,
         "ordered": block.ordered,
         "lens": lens_values(block),
     }
@@ -81,6 +110,48 @@ def lens_values(block: CableTwinBlock) -> dict[str, object]:
         "lambda_radius": block.lambda_radius,
         "calibrated": block.calibrated,
     }
+
+
+def crop_options(scene: bpy.types.Scene) -> "CropOptions":
+    """The options of the crop as the panel shows them, checked as the pipeline checks them.
+
+    Raises:
+        StageError: a value is out of its range.
+    """
+    from pipeline.cable.crop import CropOptions
+
+    return build(CropOptions, _crop_values(scene), key="options.crop")
+
+
+def write_crop(scene: bpy.types.Scene) -> None:
+    """Put the panel's options of the crop into the survey; those that the pipeline starts with are left out.
+
+    Raises:
+        StageError: a value is out of its range.
+    """
+    from pipeline.cable.crop import CropOptions
+
+    survey, usual = scene.cabletwin.survey, vars(CropOptions())
+    chosen = {k: v for k, v in vars(crop_options(scene)).items() if v != usual[k]}
+    written = json.loads(survey.written or "{}")
+    options = {**written.get("options", {}), "crop": chosen}
+    survey.written = json.dumps({**written, "options": {k: v for k, v in options.items() if v}})
+
+
+def _crop_values(scene: bpy.types.Scene) -> dict[str, object]:
+    from pipeline.cable.crop import CropOptions
+
+    crop = scene.cabletwin.crop
+    values = {
+        "incidence_deg": math.degrees(crop.incidence),
+        "least_score": crop.least_score,
+        "fringe_mm": 1000 * crop.fringe,
+        "from_m": crop.start if crop.use_start else None,
+        "to_m": crop.end if crop.use_end else None,
+    }
+    written = json.loads(scene.cabletwin.survey.written or "{}").get("options", {}).get("crop", {})
+    restored = _restored(values, {**vars(CropOptions()), **written})
+    return restored if isinstance(restored, dict) else {}
 
 
 def _restored(value: object, written: object) -> object:

@@ -8,6 +8,7 @@ import atexit
 import json
 import subprocess
 import sys
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -41,6 +42,7 @@ class Job:
     Args:
         command: program and arguments.
         log: file that gets its events and messages; what it prints lies beside it, with the ending .out.
+        more: further variables of its environment.
 
     Attributes:
         log: the same file.
@@ -49,14 +51,14 @@ class Job:
         StageError: the process cannot be started or the log not be written.
     """
 
-    def __init__(self, command: list[str], log: Path) -> None:
+    def __init__(self, command: list[str], log: Path, more: Mapping[str, str] | None = None) -> None:
         self.log, self._out = log, log.with_suffix(".out")
         try:
             log.parent.mkdir(parents=True, exist_ok=True)
             with log.open("wb") as errors, self._out.open("wb") as out:
                 self._process = subprocess.Popen(
                     command,
-                    env=environment(),
+                    env={**environment(), **(more or {})},
                     stdin=subprocess.DEVNULL,
                     stdout=out,
                     stderr=errors,

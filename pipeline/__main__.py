@@ -14,6 +14,7 @@ from types import FrameType
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from pipeline.core.errors import Cancelled, StageError
+from pipeline.core.events import Emit
 
 STAGE_NAMES = (
     *("frames", "lens", "pos", "match", "adjust", "closing", "joint", "dense", "surface", "texture", "crop"),
@@ -88,12 +89,23 @@ def _parser() -> argparse.ArgumentParser:
     evaluate.add_argument("--json", type=Path, help="write all figures there as well")
     evaluate.set_defaults(act=_evaluate)
 
-    lens = commands.add_parser("lens", help="calibrate a lens from pictures of a chessboard")
-    lens.add_argument("folder", type=Path, help="folder of pictures")
-    lens.add_argument("--chessboard", required=True, metavar="9x6", help="inner corners of the board")
+    lens = commands.add_parser(
+        "lens", help="calibrate a lens from pictures of a chessboard, or estimate it from the cable's edges"
+    )
+    lens.add_argument("folder", type=Path, help="folder of pictures; with --block a survey.toml")
+    way = lens.add_mutually_exclusive_group(required=True)
+    way.add_argument("--chessboard", metavar="9x6", help="inner corners of the board")
+    way.add_argument(
+        "--block",
+        metavar="NAME",
+        action="append",
+        help="estimate this block's lambda from the cable's edges; may be repeated",
+    )
     lens.add_argument(
         "--square-mm", type=float, default=1.0, help="side of a square; only poses depend on it"
     )
+    lens.add_argument("--json", type=Path, help="write all that was found there as well")
+    lens.add_argument("--events", choices=("bar", "json", "none"), default="none", help="progress on stderr")
     lens.set_defaults(act=_lens)
     return parser
 
@@ -101,8 +113,10 @@ def _parser() -> argparse.ArgumentParser:
 def _run(chosen: argparse.Namespace) -> int:
     # imported here, so that --help and refusals answer at once
     from pipeline.cable.survey import read_survey
+    from pipeline.set_aside import none_if_refused
 
-    survey = read_survey(chosen.survey)
+    with none_if_refused(chosen.out):
+        survey = read_survey(chosen.survey)
     from pipeline.console import emitter
     from pipeline.product import make_product
 
@@ -140,10 +154,36 @@ def _evaluate(chosen: argparse.Namespace) -> int:
 
 
 def _lens(chosen: argparse.Namespace) -> int:
-    from pipeline.cable.chessboard import calibrate_chessboard, survey_lines
+    from pipeline.console import emitter
+    from pipeline.core.files import write_json
 
-    print(survey_lines(calibrate_chessboard(chosen.folder, chosen.chessboard, chosen.square_mm)))
+    emit = emitter(chosen.events, tuple(chosen.block or ()))
+    if chosen.chessboard:
+        from pipeline.cable.chessboard import calibrate_chessboard, survey_lines
+
+        calibration = calibrate_chessboard(chosen.folder, chosen.chessboard, chosen.square_mm, emit)
+        found: object = calibration
+        said = survey_lines(calibration)
+    else:
+        found, said = _estimate(chosen.folder, chosen.block, emit)
+    if chosen.json:
+        write_json(chosen.json, found, "lens")
+    print(said)
     return 0
+
+
+def _estimate(survey_file: Path, blocks: list[str], emit: Emit) -> tuple[object, str]:
+    from pipeline.cable.frames import FrameOptions
+    from pipeline.cable.lens import LensOptions
+    from pipeline.cable.lens_estimate import estimate_lens, solution_lines
+    from pipeline.cable.survey import read_survey
+    from pipeline.core.options import build
+
+    survey = read_survey(survey_file)
+    frames = build(FrameOptions, survey.stage_options("frames"), key="options.frames")
+    lens = build(LensOptions, survey.stage_options("lens"), key="options.lens")
+    found = {name: estimate_lens(survey, name, frames, lens, emit) for name in blocks}
+    return found, "\n\n".join(f"# {name}\n{solution_lines(solution)}" for name, solution in found.items())
 
 
 if __name__ == "__main__":

@@ -61,6 +61,7 @@ class OpenedRun:
         folder: absolute.
         options: that it was made with.
         blocks: in the survey's order.
+        together: the adjustment of all blocks as one ring.
         mosaic, ring, measurement: of all blocks together.
         report: report.json.
     """
@@ -68,6 +69,7 @@ class OpenedRun:
     folder: Path
     options: CableOptions
     blocks: tuple[OpenedBlock, ...]
+    together: RingOrientation | None
     mosaic: Mosaic | None
     ring: Ring | None
     measurement: Measurement | None
@@ -95,6 +97,7 @@ def open_run(folder: Path) -> OpenedRun:
             _block(folder, number, sequence, together, mosaic, ring)
             for number, sequence in enumerate(frames.sequences)
         ),
+        together=together,
         mosaic=mosaic,
         ring=ring,
         measurement=_load(folder, "measure", Measurement),

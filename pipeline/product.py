@@ -3,8 +3,6 @@
 This is the one call that the command line, the Blender extension and the benchmarks make.
 """
 
-import resource
-import sys
 import time
 from dataclasses import replace
 from functools import partial
@@ -19,6 +17,7 @@ from pipeline.cable.survey import Survey
 from pipeline.core.errors import StageError
 from pipeline.core.events import Emit, Event
 from pipeline.core.files import replacing, write_json
+from pipeline.core.memory import peak_memory_mb
 from pipeline.core.runfolder import RunFolder
 from pipeline.evaluate.documents import read_document
 from pipeline.report.block_files import write_block_files
@@ -107,7 +106,7 @@ def _write(
     emit(Event(stage="report", done=0, total=steps))
     write_block_files(found, out / "blocks")
     emit(Event(stage="report", done=1, total=steps))
-    data = collect(found, truth, folder.stage_seconds(), _peak_memory_mb())
+    data = collect(found, truth, folder.stage_seconds(), peak_memory_mb())
     emit(Event(stage="report", done=2, total=steps))
     if data.mesh is not None:
         write_model_ply(out / "model.ply", data.mesh)
@@ -126,18 +125,12 @@ def _write(
         )
     emit(Event(stage="report", done=4, total=steps))
     folder.note_time("report", "", time.monotonic() - began)
-    data = replace(data, timing_s=folder.stage_seconds(), peak_memory_mb=_peak_memory_mb())
+    data = replace(data, timing_s=folder.stage_seconds(), peak_memory_mb=peak_memory_mb())
     write_report_html(out / "report.html", data, PageOptions(language=language))
     write_report_json(out / "report.json", data)
     drop_set_aside(out)
     emit(Event(stage="report", done=1, total=1))
     return data
-
-
-def _peak_memory_mb() -> float:
-    """Largest resident memory of this process so far; Linux counts in KiB, macOS in bytes."""
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak / (2**20 if sys.platform == "darwin" else 2**10)
 
 
 def _truth_stations(path: Path | None, survey: Survey) -> tuple[TruthStation, ...]:

@@ -1,6 +1,7 @@
 """How far a run is and how long it will still take, from its events; for the console's bar and Blender's."""
 
 import time
+from collections.abc import Mapping
 
 from pipeline.core.events import Event
 
@@ -32,6 +33,7 @@ class Progress:
 
     Args:
         blocks: names of the survey's blocks, in order: block-by-block stages count them.
+        shares: rough share of each stage in the work, in its order.
 
     Attributes:
         stage_fraction: of the stage that the last event came from, 0 to 1.
@@ -39,11 +41,12 @@ class Progress:
         seconds_left: None until enough has passed to tell.
     """
 
-    def __init__(self, blocks: tuple[str, ...]) -> None:
-        self._blocks = blocks
+    def __init__(self, blocks: tuple[str, ...], shares: Mapping[str, float] = SHARES) -> None:
+        self._blocks, self._shares = blocks, shares
         self._began = time.monotonic()
         self._skipped = 0.0
         self._stage_began: dict[str, float] = {}
+        self._parts: dict[str, dict[int, float]] = {}
         self.stage_fraction = self.fraction = 0.0
         self.seconds_left: float | None = None
 
@@ -54,11 +57,15 @@ class Progress:
         """
         now = time.monotonic()
         if ends_stage(event) and event.stage not in self._stage_began:
-            self._skipped += SHARES.get(event.stage, 0.0)
+            self._skipped += self._shares.get(event.stage, 0.0)
         self._stage_began.setdefault(event.stage, now)
         part = event.done / max(event.total, 1)
         if event.block in self._blocks:
-            part = (self._blocks.index(event.block) + part) / len(self._blocks)
+            parts = self._parts.setdefault(event.stage, {})
+            parts[self._blocks.index(event.block)] = part
+            # blocks may go side by side, begun in order: one that was passed over was finished already
+            known = [parts.get(n, float(n < max(parts))) for n in range(len(self._blocks))]
+            part = sum(known) / len(known)
         self.stage_fraction = part
         self._foretell(event.stage, part, now)
 
@@ -68,10 +75,11 @@ class Progress:
 
     def _foretell(self, stage: str, part: float, now: float) -> None:
         self.seconds_left = None
-        if stage not in SHARES:
+        shares = self._shares
+        if stage not in shares:
             return
-        names, whole = list(SHARES), sum(SHARES.values())
-        done = sum(SHARES[n] for n in names[: names.index(stage)]) + part * SHARES[stage]
+        names, whole = list(shares), sum(shares.values())
+        done = sum(shares[n] for n in names[: names.index(stage)]) + part * shares[stage]
         self.fraction = max(self.fraction, done / whole)
         passed, made = now - self._began, done - self._skipped
         if passed >= SETTLE_S and made > 0:

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from pipeline.core.errors import Cancelled, StageError
 from pipeline.core.events import Event, silent
+from synth.apart import keep_apart
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -70,6 +71,7 @@ def _render(options: argparse.Namespace) -> int:
     if options.seed is not None:
         _refuse_negative([options.seed])
         spec = replace(spec, seed=options.seed)
+    keep_apart()
     from synth.render import render_survey  # bpy takes seconds to load: only for a good specification
 
     print(render_survey(spec, options.out, _emitter(options)))

@@ -2,9 +2,9 @@
 
 import bpy
 
-from . import reconstruct, results, survey
+from . import crop, export, lens, measure, mosaic, mosaic_pairs, pos, reconstruct, results, survey, synthesise
 
-_MODULES = (survey, reconstruct, results)
+_MODULES = (survey, lens, pos, reconstruct, results, crop, mosaic, mosaic_pairs, measure, export, synthesise)
 _CLASSES = tuple(c for m in _MODULES for c in m.classes)
 
 register, unregister = bpy.utils.register_classes_factory(_CLASSES)

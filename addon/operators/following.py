@@ -5,11 +5,12 @@ and tests.  Both show the same progress and end the same way.
 """
 
 import time
+from collections.abc import Mapping
 
 import bpy
 
 from pipeline.core.errors import StageError
-from pipeline.progress import Progress
+from pipeline.progress import SHARES, Progress
 
 from ..jobs import Job
 from .base import Operator
@@ -25,9 +26,15 @@ INTERRUPTED = 130
 class Follower:
     """A job and what the window manager shows of it."""
 
-    def __init__(self, job: Job, blocks: tuple[str, ...], shown: bpy.types.PropertyGroup) -> None:
+    def __init__(
+        self,
+        job: Job,
+        blocks: tuple[str, ...],
+        shown: bpy.types.PropertyGroup,
+        shares: Mapping[str, float] = SHARES,
+    ) -> None:
         self.job, self.shown = job, shown
-        self._progress = Progress(blocks)
+        self._progress = Progress(blocks, shares)
         self._asked: float | None = None
 
     def tick(self) -> bool:
@@ -56,6 +63,7 @@ class JobOperator(Operator):
     """An operator that runs a job; not registered itself.  Derived classes say which, and what comes then."""
 
     kind = ""
+    shares: Mapping[str, float] = SHARES
     _follower: Follower | None = None
     _timer: bpy.types.Timer | None = None
 
@@ -132,7 +140,7 @@ class JobOperator(Operator):
         shown = context.window_manager.cabletwin_job
         clear(shown)
         shown.running, shown.kind, shown.scene, shown.log = True, self.kind, context.scene.name, str(job.log)
-        return Follower(job, blocks, shown)
+        return Follower(job, blocks, shown, self.shares)
 
     def _end(self, context: bpy.types.Context, follower: Follower) -> set[str]:
         outcome, shown = follower.job.outcome(), follower.shown

@@ -6,15 +6,11 @@ import bpy
 
 from pipeline.core.errors import StageError
 
-from ..gather import gather_survey, survey_path
-from ..jobs import Job, pipeline_command
-from ..library import python_executable
-from ..preferences import preferences
+from ..jobs import Job
 from .base import Operator
 from .following import JobOperator
 from .results import present_run
-from .running import run_folder, run_words
-from .survey import save_survey
+from .running import run_folder, start_reconstruction
 
 
 class CABLETWIN_OT_reconstruct_run(JobOperator):
@@ -42,16 +38,8 @@ class CABLETWIN_OT_reconstruct_run(JobOperator):
 
     def start(self, context: bpy.types.Context) -> tuple[Job, tuple[str, ...]]:
         """Save the survey and start the pipeline on it."""
-        scene = context.scene
-        survey, run = gather_survey(scene), scene.cabletwin.run
-        save_survey(scene, survey_path(scene.cabletwin.survey))
-        folder = run_folder(run)
-        words = run_words(run, survey_path(scene.cabletwin.survey), folder)
-        words += ["--language", preferences(context).report_language]
-        if self.again:
-            words += ["--from", run.start]
-        job = Job(pipeline_command(python_executable(), *words), folder / "log.jsonl")
-        return job, tuple(b.name for b in survey.blocks)
+        again = ("--from", context.scene.cabletwin.run.start) if self.again else ()
+        return start_reconstruction(context, *again)
 
     def finished(self, context: bpy.types.Context, scene: bpy.types.Scene) -> None:
         """Show the results."""

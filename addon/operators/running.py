@@ -1,4 +1,4 @@
-"""What a run is told: its folder and the words of its command line."""
+"""What a run is told: its folder and the words of its command line; and its start."""
 
 from pathlib import Path
 
@@ -6,7 +6,32 @@ import bpy
 
 from pipeline.core.errors import StageError
 
+from ..gather import gather_survey, survey_path
+from ..hand_pairs import pairs_words
+from ..jobs import Job, pipeline_command
+from ..library import python_executable
+from ..preferences import preferences
 from ..properties.run import CableTwinRun
+from .survey import save_survey
+
+
+def start_reconstruction(context: bpy.types.Context, *more: str) -> tuple[Job, tuple[str, ...]]:
+    """Save the scene's survey and start the pipeline on it.
+
+    Returns:
+        What :meth:`.following.JobOperator.start` does.
+
+    Raises:
+        StageError: the survey is refused, no run folder is chosen, or it cannot be started.
+    """
+    scene = context.scene
+    survey, run = gather_survey(scene), scene.cabletwin.run
+    folder, path = run_folder(run), survey_path(scene.cabletwin.survey)
+    save_survey(scene, path)
+    words = [*run_words(run, path, folder), *pairs_words(scene, folder)]
+    words += ["--language", preferences(context).report_language, *more]
+    job = Job(pipeline_command(python_executable(), *words), folder / "log.jsonl")
+    return job, tuple(b.name for b in survey.blocks)
 
 
 def run_folder(run: CableTwinRun) -> Path:

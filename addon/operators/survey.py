@@ -62,10 +62,12 @@ class CABLETWIN_OT_survey_open(Operator, ImportHelper):
     filter_glob: bpy.props.StringProperty(default="*.toml", options={"HIDDEN"})
 
     def work(self, context: bpy.types.Context) -> None:
-        """Read it; the run folder beside it is proposed."""
+        """Read it; run folder and truth beside it are proposed."""
         path = Path(bpy.path.abspath(self.filepath))
         open_survey(context.scene, path)
-        context.scene.cabletwin.run.folder = str(path.parent / "run")
+        run, truth = context.scene.cabletwin.run, path.parent / "truth.json"
+        run.folder = str(path.parent / "run")
+        run.truth = str(truth) if truth.is_file() else ""
         _present(context)
 
 
@@ -204,7 +206,7 @@ def _present(context: bpy.types.Context) -> None:
 
 LENS_KEYS = (
     *("focal_in", "focal_px", "focal_mm", "sensor_width_mm", "use_principal_point", "principal_point_px"),
-    *("lambda_known", "division_lambda", "lambda_radius", "calibrated"),
+    *("lambda_known", "division_lambda", "lambda_sigma", "lambda_from", "lambda_radius", "calibrated"),
 )
 
 

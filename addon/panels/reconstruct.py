@@ -2,11 +2,12 @@
 
 import bpy
 from bpy.app.translations import pgettext_iface as translated
+from bpy.app.translations import pgettext_n as n_
 
 from ..properties.run import STAGES
 from .base import Panel, aligned, sentence
 
-_STAGE_NAMES = {name: label for name, label, _ in STAGES}
+_STAGE_NAMES = {name: label for name, label, _ in STAGES} | {"render": n_("Rendering")}
 
 
 class CABLETWIN_PT_reconstruct(Panel):

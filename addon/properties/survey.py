@@ -11,6 +11,28 @@ def _redraw_setup(self: bpy.types.PropertyGroup, context: bpy.types.Context) -> 
     refresh_sketch(self.id_data)
 
 
+def _redraw_lens(self: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    from ..results.lens_view import schedule
+
+    schedule()
+
+
+def _redraw_both(self: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    _redraw_setup(self, context)
+    _redraw_lens(self, context)
+
+
+def _lambda_by_hand(self: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    # whoever estimates sets what belongs to it afterwards
+    self.property_unset("lambda_sigma")
+    self.property_unset("lambda_from")
+    _redraw_lens(self, context)
+
+
+def _pos_named(self: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    self.pos_from = "CSV" if self.pos else "TRAVEL"
+
+
 class CableTwinStation(bpy.types.PropertyGroup):
     """A place where the diameter is wanted; its ``name`` is the station's."""
 
@@ -24,6 +46,9 @@ class CableTwinStation(bpy.types.PropertyGroup):
         step=1,
         update=_redraw_setup,
     )
+    provisional_mm: bpy.props.FloatProperty(
+        description="Diameter of the profile there until the station is measured; 0 unknown"
+    )
 
 
 class CableTwinBlock(bpy.types.PropertyGroup):
@@ -33,6 +58,7 @@ class CableTwinBlock(bpy.types.PropertyGroup):
         name="Video",
         description="Video of this camera, or a folder of images",
         subtype="FILE_PATH",
+        update=_redraw_lens,
     )
     angle: bpy.props.FloatProperty(
         name="Angle",
@@ -57,6 +83,15 @@ class CableTwinBlock(bpy.types.PropertyGroup):
         name="POS file",
         description="Measured exterior orientation (CSV); empty where it is constructed from the travel",
         subtype="FILE_PATH",
+        update=_pos_named,
+    )
+    pos_from: bpy.props.EnumProperty(
+        name="POS from",
+        description="Where the exterior orientation of the frames comes from",
+        items=(
+            ("TRAVEL", "Travel", "Constructed from the travel: even steps along the axis, nominal attitude"),
+            ("CSV", "CSV file", "Measured, read from a file"),
+        ),
     )
     ordered: bpy.props.BoolProperty(
         name="In order",
@@ -67,21 +102,39 @@ class CableTwinBlock(bpy.types.PropertyGroup):
         name="Focal length in",
         description="Unit of the focal length",
         items=(("PX", "Pixels", "In pixels"), ("MM", "Millimetres", "With the width of the sensor")),
+        update=_redraw_both,
     )
     focal_px: bpy.props.FloatProperty(
-        name="Focal length", description="In pixels", default=720, min=1, precision=2, update=_redraw_setup
+        name="Focal length", description="In pixels", default=720, min=1, precision=2, update=_redraw_both
     )
     focal_mm: bpy.props.FloatProperty(
-        name="Focal length", description="In millimetres", default=4, min=0.01, precision=3
+        name="Focal length",
+        description="In millimetres",
+        default=4,
+        min=0.01,
+        precision=3,
+        update=_redraw_both,
     )
     sensor_width_mm: bpy.props.FloatProperty(
-        name="Sensor width", description="In millimetres", default=5.3, min=0.01, precision=3
+        name="Sensor width",
+        description="In millimetres",
+        default=5.3,
+        min=0.01,
+        precision=3,
+        update=_redraw_both,
     )
     use_principal_point: bpy.props.BoolProperty(
-        name="Principal point", description="Known; else it is taken as the image's centre"
+        name="Principal point",
+        description="Known; else it is taken as the image's centre",
+        update=_redraw_lens,
     )
     principal_point_px: bpy.props.FloatVectorProperty(
-        name="Principal point", description="In pixels from the top-left corner", size=2, min=0, precision=2
+        name="Principal point",
+        description="In pixels from the top-left corner",
+        size=2,
+        min=0,
+        precision=2,
+        update=_redraw_lens,
     )
     lambda_known: bpy.props.BoolProperty(
         name="Lambda known", description="A value of the distortion is given; else it is estimated"
@@ -89,8 +142,25 @@ class CableTwinBlock(bpy.types.PropertyGroup):
     division_lambda: bpy.props.FloatProperty(
         name="Lambda",
         description="Distortion of the division model; negative is barrel",
+        soft_min=-0.25,
+        soft_max=0.25,
         precision=5,
         step=0.1,
+        update=_lambda_by_hand,
+    )
+    lambda_sigma: bpy.props.FloatProperty(
+        name="Sigma of lambda",
+        description="Standard deviation of lambda where it was estimated or calibrated, else 0",
+        precision=5,
+    )
+    lambda_from: bpy.props.EnumProperty(
+        name="Lambda from",
+        description="Where lambda came from",
+        items=(
+            ("HAND", "By hand", "Typed or read from the survey file"),
+            ("EDGES", "The cable's edges", "Estimated from this camera's own video"),
+            ("BOARD", "Chessboard", "Calibrated from pictures of a chessboard"),
+        ),
     )
     lambda_radius: bpy.props.EnumProperty(
         name="Radius in",
@@ -101,6 +171,7 @@ class CableTwinBlock(bpy.types.PropertyGroup):
             ("focal", "Focal length", "The focal length"),
             ("pixel", "Pixels", "A pixel"),
         ),
+        update=_redraw_lens,
     )
     calibrated: bpy.props.BoolProperty(
         name="Calibrated", description="Focal length and lambda are trusted; else they are starting values"
@@ -166,7 +237,9 @@ class CableTwinSurvey(bpy.types.PropertyGroup):
         default=True,
     )
     blocks: bpy.props.CollectionProperty(type=CableTwinBlock)
-    block_index: bpy.props.IntProperty(name="Block", description="The block that is shown")
+    block_index: bpy.props.IntProperty(
+        name="Block", description="The block that is shown", update=_redraw_lens
+    )
     stations: bpy.props.CollectionProperty(type=CableTwinStation)
     station_index: bpy.props.IntProperty(name="Station", description="The station that is shown")
 

@@ -8,6 +8,7 @@ from bpy.app.translations import pgettext_n as n_
 
 ROOT = "CableTwin"
 SETUP = n_("Setup")
+PATHS = n_("Camera paths")
 SPARSE = n_("Sparse points")
 CAMERAS = n_("Cameras")
 DENSE = n_("Dense cloud")
@@ -15,7 +16,9 @@ BLOCKS = n_("Block meshes")
 MOSAIC = n_("Mosaic")
 STATIONS = n_("Stations")
 PAIRS = n_("Pairs")
-KINDS = (SETUP, SPARSE, CAMERAS, DENSE, BLOCKS, MOSAIC, STATIONS, PAIRS)
+CABLE = n_("Synthetic cable")
+RING = n_("Robot ring")
+KINDS = (SETUP, PATHS, SPARSE, CAMERAS, DENSE, BLOCKS, MOSAIC, STATIONS, PAIRS)
 """In the order of the work; the panel shows them translated, the outliner as they are."""
 
 _KEY = "cabletwin_kind"

@@ -24,6 +24,17 @@ def attribute_material(attribute: str | None) -> bpy.types.Material:
     return material
 
 
+def plain_material(colour: tuple[float, float, float, float]) -> bpy.types.Material:
+    """A material of one colour (linear), the same in every shading."""
+    name = "CableTwin plain {:.2f} {:.2f} {:.2f}".format(*colour)
+    found = bpy.data.materials.get(name)
+    if found is not None:
+        return found
+    material, emission = _emission(name)
+    emission.inputs["Color"].default_value = material.diffuse_color = colour
+    return material
+
+
 def picture_material(name: str, image: bpy.types.Image) -> bpy.types.Material:
     """A material that shows the picture at the mesh's texture coordinates."""
     material, emission = _emission(name)

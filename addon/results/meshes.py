@@ -8,8 +8,14 @@ from pipeline.report.types import Mesh
 from .materials import packed_image, picture_material
 
 
-def mesh_object(name: str, mesh: Mesh) -> bpy.types.Object:
-    """A textured mesh as an object that is in no collection yet."""
+def mesh_object(name: str, mesh: Mesh, material: bpy.types.Material | None = None) -> bpy.types.Object:
+    """A textured mesh as an object that is in no collection yet.
+
+    Args:
+        name: of object and data.
+        mesh: with its picture.
+        material: that shows the picture already; None makes one, with the picture packed into the file.
+    """
     data = bpy.data.meshes.new(name)
     data.vertices.add(len(mesh.vertices))
     data.vertices.foreach_set("co", mesh.vertices.astype(np.float32).ravel())
@@ -23,6 +29,7 @@ def mesh_object(name: str, mesh: Mesh) -> bpy.types.Object:
     layer.uv.foreach_set("vector", uv.astype(np.float32).ravel())
     data.update(calc_edges=True)
     data.shade_smooth()
-    image = packed_image(f"{name} unrolled", mesh.texture)
-    data.materials.append(picture_material(name, image))
+    if material is None:
+        material = picture_material(name, packed_image(f"{name} unrolled", mesh.texture))
+    data.materials.append(material)
     return bpy.data.objects.new(name, data)

@@ -11,6 +11,9 @@ from pipeline.opened import OpenedBlock, OpenedRun, open_run
 from . import collections
 from .cameras import camera_objects
 from .clouds import cloud_object
+from .crop_preview import end_preview
+from .deviation import attach_deviation
+from .marks import show_marks
 from .meshes import mesh_object
 from .stations import show_stations
 
@@ -30,15 +33,23 @@ def show_run(scene: bpy.types.Scene, folder: Path, most_points: int) -> OpenedRu
         StageError: there is nothing to show.
     """
     run = open_run(folder)
+    end_preview(scene)
     _show_blocks(scene, run, most_points)
     _show_mosaic(scene, run, most_points)
-    show_stations(scene, run)
-    scene.cabletwin.results.take(run)
+    show_measurement(scene, run)
     _hide(scene, collections.SETUP)
     if run.ring is not None:
         for kind in (collections.BLOCKS, collections.SPARSE, collections.DENSE):
             _hide(scene, kind)
     return run
+
+
+def show_measurement(scene: bpy.types.Scene, run: OpenedRun) -> None:
+    """What was measured on a surface that is there already: stations, deviation, the panels' figures."""
+    show_stations(scene, run)
+    show_marks(scene)
+    attach_deviation(scene, run)
+    scene.cabletwin.results.take(run)
 
 
 def _show_blocks(scene: bpy.types.Scene, run: OpenedRun, most_points: int) -> None:

@@ -15,6 +15,7 @@ from pipeline.core.vocabulary import TravelDirection
 from ..properties.survey import CableTwinBlock
 from . import collections
 from .cameras import SENSOR_MM, world_from_camera
+from .stations import refresh_stations
 
 AROUND = 64
 ASSUMED_WIDTH_PX = 960
@@ -29,7 +30,8 @@ type _Point = tuple[float, float, float]
 
 
 def refresh_sketch(scene: bpy.types.Scene) -> None:
-    """Draw the survey's set-up anew; nothing where the survey has no blocks."""
+    """Draw the survey's set-up anew, and mark stations that are still to be measured."""
+    refresh_stations(scene)
     survey = scene.cabletwin.survey
     if not survey.blocks:
         if collections.existing(scene, collections.SETUP):

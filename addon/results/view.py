@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import bpy
 import numpy as np
-from mathutils import Vector
+from mathutils import Matrix, Vector
 
 from . import collections
 
@@ -27,12 +27,46 @@ def frame(context: bpy.types.Context, scene: bpy.types.Scene, *kinds: str) -> No
         space.clip_start = min(space.clip_start, 0.005)
 
 
+def look_at(
+    context: bpy.types.Context,
+    scene: bpy.types.Scene,
+    place: Vector,
+    distance_m: float,
+    outward: Vector | None = None,
+) -> None:
+    """Turn every 3D view of the scene's windows to a place.
+
+    Args:
+        context, scene: whose views.
+        place: in the world.
+        distance_m: from there to the eye.
+        outward: from where to look, square to the cable, which then lies level; None keeps the direction.
+    """
+    for space in _views(context, scene):
+        view = space.region_3d
+        if view.view_perspective == "CAMERA":
+            view.view_perspective = "PERSP"
+        view.view_location, view.view_distance = place, distance_m
+        if outward is not None:
+            along = Vector((0, 1, 0))
+            axes = Matrix((along, outward.cross(along), outward)).transposed()
+            view.view_rotation = axes.to_quaternion()
+        space.clip_start = min(space.clip_start, 0.005)
+
+
 def show_pictures(context: bpy.types.Context, scene: bpy.types.Scene) -> None:
     """Let solid views show the meshes' own pictures, as they were filmed: quick on any machine."""
     for space in _views(context, scene):
         space.shading.type = "SOLID"
         space.shading.light = "FLAT"
-        space.shading.color_type = "TEXTURE"
+    show_colours(context, scene)
+
+
+def show_colours(context: bpy.types.Context, scene: bpy.types.Scene) -> None:
+    """Let solid views show the colours of the deviation where the scene wants them, else the pictures."""
+    by_texture = scene.cabletwin.measure.colour_by == "TEXTURE"
+    for space in _views(context, scene):
+        space.shading.color_type = "TEXTURE" if by_texture else "VERTEX"
 
 
 def clear_startup(scene: bpy.types.Scene) -> None:
@@ -47,7 +81,9 @@ def clear_startup(scene: bpy.types.Scene) -> None:
 def _views(context: bpy.types.Context, scene: bpy.types.Scene) -> Iterator[bpy.types.SpaceView3D]:
     for window in context.window_manager.windows:
         if window.scene == scene:
-            yield from (a.spaces.active for a in window.screen.areas if a.type == "VIEW_3D")
+            # while a file browser fills the window, the views wait in another screen of the workspace
+            screens = {window.screen, *window.workspace.screens}
+            yield from (a.spaces.active for s in screens for a in s.areas if a.type == "VIEW_3D")
 
 
 def _corners(scene: bpy.types.Scene, kinds: tuple[str, ...]) -> np.ndarray:

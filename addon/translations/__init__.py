@@ -2,9 +2,9 @@
 
 import bpy
 
-from . import common, reconstruct, results, survey
+from . import common, crop, export, lens, measure, mosaic, pos, reconstruct, results, survey, synthesise
 
-_AREAS = (common, reconstruct, results, survey)
+_AREAS = (common, reconstruct, results, survey, lens, pos, crop, mosaic, measure, export, synthesise)
 _CONTEXTS = ("*", "Operator")
 
 

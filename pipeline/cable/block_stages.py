@@ -74,7 +74,7 @@ class BlockStages:
             for sequence, source in zip(product.value.sequences, sources, strict=True)
         ]
 
-    def _lens(self, n: int, block: Block) -> Product[BlockLens]:
+    def _lens(self, n: int, block: Block, emit: Emit) -> Product[BlockLens]:
         frames: FrameSequence = self._value("frames", n)
         cable, robot = self._survey.cable, self._survey.robot
         spec, options = block.lens_spec, self._options.lens
@@ -88,17 +88,17 @@ class BlockStages:
                 spec.division_lambda is not None,
                 block.travel_in_image,
                 options,
-                part(self._emit, 0.0, 0.3),
+                part(emit, 0.0, 0.3),
                 scene=scene,
             )
             folder = self._folder.block(block.name) / "undistorted"
-            undistorted, pinhole = undistort_frames(frames, solution.lens, folder, part(self._emit, 0.3, 1.0))
+            undistorted, pinhole = undistort_frames(frames, solution.lens, folder, part(emit, 0.3, 1.0))
             return BlockLens(solution=solution, undistorted=undistorted, pinhole=pinhole)
 
         needs = [*self._needs(n, "frames"), spec, block.travel_in_image, scene, options]
         return self._folder.product("lens", BlockLens, make, *needs, block=block.name)
 
-    def _pos(self, n: int, block: Block) -> Product[PosPriors]:
+    def _pos(self, n: int, block: Block, _: Emit) -> Product[PosPriors]:
         survey, options = self._survey, self._options.pos
         frames: FrameSequence = self._value("frames", n)
 
@@ -113,7 +113,7 @@ class BlockStages:
         needs = [*self._needs(n, "frames"), measured, place, options]
         return self._folder.product("pos", PosPriors, make, *needs, block=block.name)
 
-    def _match(self, n: int, block: Block) -> Product[TiePoints]:
+    def _match(self, n: int, block: Block, emit: Emit) -> Product[TiePoints]:
         lens: BlockLens = self._value("lens", n)
         radius_m = self._rough_radius_m(lens.solution)
         needs = [*self._needs(n, "lens", "pos"), block.angle_deg, radius_m, self._options.match]
@@ -127,7 +127,7 @@ class BlockStages:
                 block.angle_deg,
                 radius_m,
                 self._options.match,
-                self._emit,
+                emit,
             ),
             *needs,
             block=block.name,
@@ -144,7 +144,7 @@ class BlockStages:
             )
         return radius_m
 
-    def _adjust(self, n: int, block: Block) -> Product[Orientation]:
+    def _adjust(self, n: int, block: Block, emit: Emit) -> Product[Orientation]:
         lens: BlockLens = self._value("lens", n)
         return self._folder.product(
             "adjust",
@@ -155,14 +155,14 @@ class BlockStages:
                 lens.solution.lens,
                 self._value("pos", n),
                 self._options.adjust,
-                self._emit,
+                emit,
             ),
             *self._needs(n, "match", "lens", "pos"),
             self._options.adjust,
             block=block.name,
         )
 
-    def _dense(self, n: int, block: Block) -> Product[RadiusMap]:
+    def _dense(self, n: int, block: Block, emit: Emit) -> Product[RadiusMap]:
         return self._folder.product(
             "dense",
             RadiusMap,
@@ -171,7 +171,7 @@ class BlockStages:
                 self._oriented(n).value,
                 block.angle_deg,
                 self._options.dense,
-                self._emit,
+                emit,
                 self._folder.block(block.name) / "patch_match",
             ),
             *self._needs(n, "frames"),
@@ -181,7 +181,7 @@ class BlockStages:
             block=block.name,
         )
 
-    def _surface(self, n: int, block: Block) -> Product[BlockSurface]:
+    def _surface(self, n: int, block: Block, _: Emit) -> Product[BlockSurface]:
         return self._folder.product(
             "surface",
             BlockSurface,
@@ -191,7 +191,7 @@ class BlockStages:
             block=block.name,
         )
 
-    def _texture(self, n: int, block: Block) -> Product[UnrolledPicture]:
+    def _texture(self, n: int, block: Block, emit: Emit) -> Product[UnrolledPicture]:
         dense: RadiusMap = self._value("dense", n)
         return self._folder.product(
             "texture",
@@ -202,7 +202,7 @@ class BlockStages:
                 self._value("surface", n),
                 dense.ground_sample_mm,
                 self._options.texture,
-                self._emit,
+                emit,
             ),
             *self._needs(n, "frames", "surface"),
             self._oriented(n),
@@ -210,7 +210,7 @@ class BlockStages:
             block=block.name,
         )
 
-    def _crop(self, n: int, block: Block) -> Product[Crop]:
+    def _crop(self, n: int, block: Block, _: Emit) -> Product[Crop]:
         standoff_m = self._survey.robot.standoff_m
         return self._folder.product(
             "crop",

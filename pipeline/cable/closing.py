@@ -8,6 +8,7 @@ both sides ties them.
 """
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import combinations
 
 import cv2
@@ -18,10 +19,11 @@ from pipeline.cable.adjust import Orientation
 from pipeline.cable.surface import BlockSurface
 from pipeline.cable.texture import TextureOptions, UnrolledPicture, texture_block
 from pipeline.cable.tracking import Gray, Tracker, TrackOptions
-from pipeline.cable.unrolled_match import UnrolledMatchOptions, match_unrolled
+from pipeline.cable.unrolled_match import Correspondences, UnrolledMatchOptions, match_unrolled
 from pipeline.core.axis import axis_of_cylinder
-from pipeline.core.events import Emit, Event, silent
+from pipeline.core.events import Emit, Event, part
 from pipeline.core.fits.cylinder import fit_cylinder
+from pipeline.core.parallel import side_by_side, workers_for
 from pipeline.core.vocabulary import Array, FrameSequence
 
 LEAST_VIEWS = 3
@@ -88,30 +90,77 @@ class _Unrolled:
     tracker: Tracker
 
 
+@dataclass(frozen=True)
+class _Side:
+    """Marks as one block shows them: (k, 2) places of azimuth and y, (k,) their numbers."""
+
+    places: Array
+    marks: NDArray[np.int64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Seen:
+    """Measurements of one block's marks, the fields as in :class:`SharedMarks`."""
+
+    block: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    frame: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    mark: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    pixels: Array = field(default_factory=lambda: np.zeros((0, 2)))
+
+
 def find_shared_marks(blocks: tuple[ClosingBlock, ...], options: ClosingOptions, emit: Emit) -> SharedMarks:
     """Match all blocks with each other.
 
     Args:
         blocks: adjusted alone.
         options: see there.
-        emit: progress.
+        emit: progress, one event a frame.
     """
     pairs = list(combinations(range(len(blocks)), 2))
-    total = len(blocks) + len(pairs)
-    unrolled = []
-    for number, block in enumerate(blocks):
-        emit(Event(stage="closing", done=number, total=total))
-        unrolled.append(_unroll(block, options))
-    parts, count = [_none()], 0
-    for number, (first, second) in enumerate(pairs):
-        emit(Event(stage="closing", done=len(blocks) + number, total=total))
-        part = _marks_of_pair(first, second, unrolled[first], unrolled[second], options)
-        parts.append(replace(part, mark=part.mark + count))
-        count += len(part.points)
-    return SharedMarks(**{name: np.concatenate([getattr(m, name) for m in parts]) for name in vars(parts[0])})
+    workers = workers_for(len(blocks))
+    unrolled = side_by_side([partial(_unroll, b, options) for b in blocks], emit, workers)
+    matches = side_by_side(
+        [partial(_match, unrolled[a], unrolled[b], options) for a, b in pairs], emit, workers
+    )
+    numbers = np.cumsum([0, *(len(m.first) for m in matches)])
+    sides: list[list[_Side]] = [[] for _ in blocks]
+    for (first, second), match, number in zip(pairs, matches, numbers, strict=False):
+        marks = number + np.arange(len(match.first))
+        sides[first].append(_Side(match.first, marks))
+        sides[second].append(_Side(match.second, marks))
+    jobs = [partial(_follow, n, unrolled[n], _joined(side)) for n, side in enumerate(sides)]
+    seen = side_by_side(jobs, emit, workers)
+    whole = {
+        name: np.concatenate([getattr(s, name) for s in seen])
+        for name in ("block", "frame", "mark", "pixels")
+    }
+    points = [
+        u.tracker.surface(u.tracker.places(*m.first.T))
+        for (u, _), m in zip(combinations(unrolled, 2), matches, strict=True)
+    ]
+    everything = SharedMarks(
+        **whole,
+        points=np.concatenate([np.zeros((0, 3)), *points]),
+        pairs=np.repeat(np.array(pairs, dtype=np.int64).reshape(-1, 2), np.diff(numbers), axis=0),
+    )
+    return _kept(everything, _seen_from_both(everything))
 
 
-def _unroll(block: ClosingBlock, options: ClosingOptions) -> _Unrolled:
+def _seen_from_both(marks: SharedMarks) -> NDArray[np.bool_]:
+    """(k,) whether both blocks of a mark followed it."""
+    sides = []
+    for side in (0, 1):
+        mine = marks.block == marks.pairs[marks.mark, side]
+        sides.append(np.bincount(marks.mark[mine], minlength=len(marks.points)) >= LEAST_VIEWS)
+    return sides[0] & sides[1]
+
+
+def _telling(block: ClosingBlock, emit: Emit) -> Emit:
+    """An emit for the steps of other stages that serve this one."""
+    return lambda event: emit(replace(event, stage="closing", block=block.frames.block))
+
+
+def _unroll(block: ClosingBlock, options: ClosingOptions, emit: Emit) -> _Unrolled:
     orientation = block.orientation
     cylinder = fit_cylinder(orientation.points, direction=(0.0, 1.0, 0.0))
     along = orientation.poses.centres[:, 1]
@@ -129,7 +178,9 @@ def _unroll(block: ClosingBlock, options: ClosingOptions) -> _Unrolled:
         score=np.ones(shape, dtype=np.float32),
     )
     choice = TextureOptions(texel_mm=options.cell_mm)
-    picture = texture_block(block.frames, orientation, surface, options.cell_mm, choice, silent)
+    picture = texture_block(
+        block.frames, orientation, surface, options.cell_mm, choice, _telling(block, part(emit, 0.0, 0.5))
+    )
 
     def read(frame: int) -> Gray:
         file = block.frames.files[frame]
@@ -146,47 +197,38 @@ def _unroll(block: ClosingBlock, options: ClosingOptions) -> _Unrolled:
     return _Unrolled(block, surface, picture, tracker)
 
 
-def _marks_of_pair(
-    first: int, second: int, a: _Unrolled, b: _Unrolled, options: ClosingOptions
-) -> SharedMarks:
-    matches = match_unrolled(a.picture, b.picture, float(a.surface.radius_m[0, 0]), options.match)
-    if not len(matches.first):
-        return _none()
-    points, seen_first = _follow(first, a, matches.first)
-    _, seen_second = _follow(second, b, matches.second)
-    both = SharedMarks(
-        **{
-            name: np.concatenate([getattr(seen_first, name), getattr(seen_second, name)])
-            for name in ("block", "frame", "mark", "pixels")
-        },
-        points=points,
-        pairs=np.tile([first, second], (len(points), 1)),
+def _match(a: _Unrolled, b: _Unrolled, options: ClosingOptions, _: Emit) -> Correspondences:
+    return match_unrolled(a.picture, b.picture, float(a.surface.radius_m[0, 0]), options.match)
+
+
+def _joined(sides: list[_Side]) -> _Side:
+    """The marks that a block shares with all others."""
+    return _Side(
+        places=np.concatenate([np.zeros((0, 2)), *(s.places for s in sides)]),
+        marks=np.concatenate([np.zeros(0, dtype=np.int64), *(s.marks for s in sides)]),
     )
-    views = [np.bincount(both.mark[both.block == n], minlength=len(points)) for n in (first, second)]
-    return _kept(both, (views[0] >= LEAST_VIEWS) & (views[1] >= LEAST_VIEWS))
 
 
-def _follow(number: int, unrolled: _Unrolled, places: Array) -> tuple[Array, SharedMarks]:
-    """Rough points (k, 3) and every measurement of marks at places (k, 2) of azimuth and y."""
-    tracker = unrolled.tracker
-    where = tracker.places(places[:, 0], places[:, 1])
-    home = np.abs(places[:, 1:] - unrolled.block.orientation.poses.centres[:, 1]).argmin(axis=1)
-    parts = [_none()]
+def _follow(number: int, unrolled: _Unrolled, side: _Side, emit: Emit) -> _Seen:
+    """Every measurement of a block's marks."""
+    tracker, emit = unrolled.tracker, _telling(unrolled.block, part(emit, 0.5, 1.0))
+    where = tracker.places(side.places[:, 0], side.places[:, 1])
+    along = unrolled.block.orientation.poses.centres[:, 1]
+    home = np.abs(side.places[:, 1:] - along).argmin(axis=1)
+    parts = [_Seen()]
     for k in np.unique(home):
+        emit(Event(stage="closing", done=int(k), total=len(along)))
         mine = np.flatnonzero(home == k)
         track = tracker.follow(int(k), where[mine])
         parts.append(
-            replace(
-                parts[0],
+            _Seen(
                 block=np.full(len(track.point), number),
                 frame=track.frame,
-                mark=mine[track.point],
+                mark=side.marks[mine[track.point]],
                 pixels=track.pixels,
             )
         )
-    names = ("block", "frame", "mark", "pixels")
-    whole = {name: np.concatenate([getattr(p, name) for p in parts]) for name in names}
-    return tracker.surface(where), replace(parts[0], **whole)
+    return _Seen(**{name: np.concatenate([getattr(p, name) for p in parts]) for name in vars(parts[0])})
 
 
 def _kept(marks: SharedMarks, keep: NDArray[np.bool_]) -> SharedMarks:
@@ -200,16 +242,4 @@ def _kept(marks: SharedMarks, keep: NDArray[np.bool_]) -> SharedMarks:
         pixels=marks.pixels[rows],
         points=marks.points[keep],
         pairs=marks.pairs[keep],
-    )
-
-
-def _none() -> SharedMarks:
-    whole = np.zeros(0, dtype=np.int64)
-    return SharedMarks(
-        block=whole,
-        frame=whole,
-        mark=whole,
-        pixels=np.zeros((0, 2)),
-        points=np.zeros((0, 3)),
-        pairs=np.zeros((0, 2), dtype=np.int64),
     )

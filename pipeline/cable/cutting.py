@@ -15,12 +15,13 @@ from pipeline.core.vocabulary import Array
 
 @dataclass(frozen=True)
 class Cut:
-    """The binned points of all blocks in one slice: (k, 3) mm, weights, block of each, angle seen."""
+    """The binned points of all blocks in one slice: (k, 3) mm, weights, block of each, angle seen, length."""
 
     points: Array
     weights: Array
     block: Array
     coverage_deg: float
+    length_mm: float
 
 
 class Cutter:
@@ -44,7 +45,7 @@ class Cutter:
         points, weights = (np.concatenate([p[i] for p in parts]) for i in (0, 1))
         block = np.concatenate([np.full(len(p[0]), n) for n, p in enumerate(parts)])
         width_deg = np.concatenate([np.full(len(p[0]), p[2]) for p in parts])
-        return Cut(points, weights, block, _coverage_deg(points, width_deg))
+        return Cut(points, weights, block, _coverage_deg(points, width_deg), length_mm)
 
     def _cut_block(self, number: int, y_m: float, length_mm: float) -> tuple[Array, Array, float]:
         """The filled bins' mean points, their weights, and the width of a bin in degrees."""

@@ -9,6 +9,7 @@ images.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from math import ceil, floor
 from pathlib import Path
 
@@ -17,11 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cable.ordering import OrderOptions, travel_fractions
-from pipeline.cable.sources import Image, image_files, is_video, read_frames
+from pipeline.cable.sources import Image, image_files, is_video, read_frame, read_frames
 from pipeline.cable.survey_records import Block, Survey
 from pipeline.core.errors import StageError
 from pipeline.core.events import Emit, Event, part
 from pipeline.core.files import write_png
+from pipeline.core.parallel import side_by_side, workers_for
 from pipeline.core.vocabulary import Array, FrameSequence, TravelDirection
 
 FEWEST_FRAMES = 3
@@ -68,7 +70,8 @@ def extract_frames(
         StageError: a source is unreadable, broken or too short; synchronised blocks differ in length; the
             lens of a block does not fit its images; images without order cannot be put in order.
     """
-    scans = [_scan(block, emit) for block in survey.blocks]
+    workers = workers_for(len(survey.blocks))
+    scans = side_by_side([partial(_scan, block) for block in survey.blocks], emit, workers)
     for block, scan in zip(survey.blocks, scans, strict=True):
         block.lens(scan.width_px, scan.height_px)  # tells now, and not stages later, what does not fit
     values = [scan.sharpness for scan in scans]
@@ -78,7 +81,37 @@ def extract_frames(
     sizes = [(scan.width_px, scan.height_px) for scan in scans]
     fractions = travel_fractions(survey, sizes, options.order, part(emit, 0.5, 1.0))
     rows = zip(survey.blocks, scans, values, fractions, strict=True)
-    return tuple(_sequence(survey, options, folder, emit, *row) for row in rows)
+    return tuple(
+        side_by_side([partial(_sequence, survey, options, folder, *row) for row in rows], emit, workers)
+    )
+
+
+def every_frame(block: Block) -> FrameSequence:
+    """All frames of a block's source, in the order of their names, named as the chosen ones would be.
+
+    Those of a video are named but not written: for what needs names and places only (POS).
+
+    Raises:
+        StageError: the source holds no images, or its first one cannot be read.
+    """
+    first = read_frame(block, 0)
+    if is_video(block):
+        files = tuple(block.source / frame_name(index) for index in range(first.promised))
+    else:
+        files = image_files(block)
+    return FrameSequence(
+        block=block.name,
+        files=files,
+        source_indices=np.arange(len(files)),
+        source_count=len(files),
+        width_px=first.image.shape[1],
+        height_px=first.image.shape[0],
+    )
+
+
+def frame_name(index: int) -> str:
+    """Name of a video's frame as a file."""
+    return f"{index:06d}.png"
 
 
 def sharpness(image: Image, travel: TravelDirection) -> float:
@@ -211,11 +244,11 @@ def _sequence(
     survey: Survey,
     options: FrameOptions,
     folder: Path,
-    emit: Emit,
     block: Block,
     scan: _Scan,
     values: Array,
     fractions: Array | None,
+    emit: Emit,
 ) -> FrameSequence:
     travel_m = survey.cable.travel_m
     if fractions is None:
@@ -240,7 +273,7 @@ def _sequence(
 
 
 def _write_frames(block: Block, chosen: NDArray[np.int64], folder: Path, emit: Emit) -> tuple[Path, ...]:
-    files = {int(index): folder / f"{index:06d}.png" for index in chosen}
+    files = {int(index): folder / frame_name(int(index)) for index in chosen}
     for frame in read_frames(block):
         if frame.index in files:
             write_png(files[frame.index], frame.image, stage="frames")

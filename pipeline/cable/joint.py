@@ -22,6 +22,7 @@ from pipeline.cable.joint_rig import (
     rig_priors,
     started,
 )
+from pipeline.cable.joint_sections import RingSigmas, ring_sigmas
 from pipeline.cable.joint_sigmas import block_covariance, diameter_sigmas, refined_lens
 from pipeline.cable.joint_surface import SurfaceEffect, prior_for, tie_point_diameters
 from pipeline.cable.joint_weights import weighed
@@ -46,9 +47,10 @@ class RingOrientation:
         blocks: each block's orientation, all in one frame.
         covariance: (7 b, 7 b) of each block as a whole: rotation vector (rad), shift (m), scale.
         section_y_m: (n,) places along the cable, and for each
-        diameter_sigma_mm: (n,) standard deviation of a diameter there from orientations and lenses, travel
-            taken as exact;
+        diameter_sigma_mm: (n,) standard deviation of the circle through all tie points there from
+            orientations and lenses, travel taken as exact;
         lens_sigma_mm: (n,) the lenses' share of it.
+        strips: the same for each block's strip of surface: what a measured section's sigma is made of.
         shared_marks: marks that two blocks share.
         shared_residual_px: root mean square residual of the shared marks.
         iterations: steps of the last adjustment.
@@ -60,6 +62,7 @@ class RingOrientation:
     section_y_m: Array
     diameter_sigma_mm: Array
     lens_sigma_mm: Array
+    strips: RingSigmas
     shared_marks: int
     shared_residual_px: float
     iterations: int
@@ -104,13 +107,14 @@ def adjust_ring(
         result = adjusted(number, rig, scale, None)
         rig = result.rig
         if number < len(options.loss_scales_px) - 1:
-            measured = weighed(measured, result, len(measured) - len(shared.pixels), options.sigma_px)
-    found = _ring(blocks, result, shared, robot, options)
+            tied = len(measured) - len(shared.pixels)
+            measured = weighed(measured, result, tied, options.sigma_px, options.least_sigma_px)
+    found = _ring(blocks, result, measured, shared, robot, options)
     if not compared:
         return found
     surface = prior_for(result, options.surface_sigma_mm, options.surface_patch_mm)
-    tied = adjusted(passes - 1, rig, options.loss_scales_px[-1], surface)
-    other = _ring(blocks, tied, shared, robot, options)
+    held = adjusted(passes - 1, rig, options.loss_scales_px[-1], surface)
+    other = _ring(blocks, held, measured, shared, robot, options)
     effect = _effect(found, other, stations, options)
     return replace(other if options.surface_used else found, surface_effect=effect)
 
@@ -118,13 +122,14 @@ def adjust_ring(
 def _ring(
     blocks: tuple[JointBlock, ...],
     result: BundleResult,
+    measured: Observations,
     shared: SharedMarks,
     robot: RobotPriors,
     options: JointOptions,
 ) -> RingOrientation:
     """What an adjustment found, block by block."""
-    looseness = options.shared_sigma_px / options.sigma_px
-    residual = result.residuals[len(result.residuals) - len(shared.pixels) :] * looseness
+    ties = np.arange(len(measured)) < len(measured) - len(shared.pixels)
+    residual = _in_pixels(measured, result)[~ties]
     section_y, total, lens_part = diameter_sigmas(result, len(blocks), robot.y_m)
     return RingOrientation(
         blocks=tuple(_block(n, b, result, options.gross_px) for n, b in enumerate(blocks)),
@@ -132,11 +137,21 @@ def _ring(
         section_y_m=section_y,
         diameter_sigma_mm=total,
         lens_sigma_mm=lens_part,
+        strips=ring_sigmas(
+            result, measured.subset(ties), np.array([b.azimuth_deg for b in blocks]), robot.y_m
+        ),
         shared_marks=len(shared.points),
         shared_residual_px=float(np.sqrt(np.nanmean(np.sum(residual**2, axis=1)))) if len(residual) else 0.0,
         iterations=result.iterations,
         surface_effect=None,
     )
+
+
+def _in_pixels(measured: Observations, result: BundleResult) -> Array:
+    """Residuals (n, 2) as they were before each was divided by its looseness."""
+    if measured.looseness is None:
+        return result.residuals
+    return result.residuals * measured.looseness.reshape(len(measured), -1)
 
 
 def _effect(

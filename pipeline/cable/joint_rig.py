@@ -29,9 +29,10 @@ class JointOptions:
 
     Attributes:
         together: false leaves the blocks as they were adjusted alone, as in the paper.
-        sigma_px: standard deviation of an image measurement.
-        shared_sigma_px: of a mark matched between two blocks; all its measurements share the matching's
-            error.
+        sigma_px: standard deviation of an image measurement, until the residuals tell a better one.
+        least_sigma_px: the least that residuals may make of either.
+        shared_sigma_px: of a mark matched between two blocks, whose measurements all share the matching's
+            error, until the residuals tell a better one.
         loss_scales_px: Cauchy scales of the successive adjustments, loose to tight.
         gross_px: measurements further off than this are left out in the end.
         points_per_block: so many tie points of each block take part, those seen most often.
@@ -44,6 +45,7 @@ class JointOptions:
 
     together: bool = True
     sigma_px: float = field(default=0.1, metadata={"above": 0.0})
+    least_sigma_px: float = field(default=0.05, metadata={"above": 0.0})
     shared_sigma_px: float = field(default=0.6, metadata={"above": 0.0})
     loss_scales_px: tuple[float, ...] = field(default=(20.0, 1.0), metadata={"above": 0.0})
     gross_px: float = field(default=1.5, metadata={"above": 0.0})

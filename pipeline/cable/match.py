@@ -6,6 +6,7 @@ out points that
 neighbouring blocks share: those come from the unrolled pictures, in mosaic.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import cv2
@@ -24,13 +25,9 @@ from pipeline.core.epipolar import (
     second_epipole,
 )
 from pipeline.core.errors import StageError
-from pipeline.core.events import Emit, Event
+from pipeline.core.events import Emit, Event, part
 from pipeline.core.fundamental import FundamentalOptions, estimate_fundamental
 from pipeline.core.vocabulary import Array, FrameSequence, Lens, Poses, PosPriors
-
-ESTIMATE_FROM = 400
-"""About so many pairs of points are enough to estimate a fundamental matrix; all are checked against it."""
-
 
 STRAIGHT = AxisCurve(origin_y_m=0.0, coefficients=np.zeros((2, 1)))
 """The y axis."""
@@ -98,7 +95,7 @@ def match_block(
         azimuth_deg: place of the camera around the axis.
         radius_m: rough radius of the cable.
         options: see there.
-        emit: progress, one event a frame.
+        emit: progress, one event a frame, then one a verified pair.
         axis: of the cable, where it is known better than that it lies on the y axis.
 
     Raises:
@@ -110,13 +107,18 @@ def match_block(
 
     pinhole = undistorted_lens(lens)
     tracker = Tracker(read, lens, pos.poses, azimuth_deg, (axis, radius_m), options.track)
+    track_part, verify_part = part(emit, 0.0, 0.7), part(emit, 0.7, 1.0)
     tracks = []
     for home in range(len(frames)):
-        emit(Event(stage="match", block=frames.block, done=home, total=len(frames)))
+        track_part(Event(stage="match", block=frames.block, done=home, total=len(frames)))
         tracks.append(tracker.track(home))
     frame, point, pixels, starts = _merge(tracks)
     straightened = rays_to_pixels(pinhole, pixels_to_rays(lens, pixels))
-    keep, estimated, predicted = _verify(frame, point, straightened, pinhole, pos.poses, options)
+
+    def tell(pair: int, pairs: int) -> None:
+        verify_part(Event(stage="match", block=frames.block, done=pair, total=pairs))
+
+    keep, estimated, predicted = _verify(frame, point, straightened, pinhole, pos.poses, options, tell)
     rejected = float(1 - keep.mean()) if len(keep) else 1.0
     frame, point, pixels, starts = _prune(frame[keep], point[keep], pixels[keep], starts, options)
     _check_texture(frame, frames, options)
@@ -146,6 +148,7 @@ def _verify(
     pinhole: Lens,
     poses: Poses,
     options: MatchOptions,
+    tell: Callable[[int, int], None],
 ) -> tuple[NDArray[np.bool_], Array, Array]:
     """Check pairs of frames a few steps apart by their pictures alone (equation 11 and Algorithm 1).
 
@@ -160,9 +163,11 @@ def _verify(
     estimated, predicted = [], []
     rows = [np.flatnonzero(frame == k) for k in range(len(poses))]
     wide = min(options.epipolar_step, len(poses) - 1)
-    for step in dict.fromkeys((wide, 1)):
+    steps = tuple(dict.fromkeys((wide, 1)))
+    for number, step in enumerate(steps):
         seen = checked.copy()
         for first, second in zip(range(len(poses) - step), range(step, len(poses)), strict=True):
+            tell(number * len(poses) + first, len(steps) * len(poses))
             _, a, b = np.intersect1d(point[rows[first]], point[rows[second]], return_indices=True)
             a, b = rows[first][a], rows[second][b]
             if len(a) < options.least_points or (seen[a] & seen[b]).all():

@@ -7,6 +7,8 @@ the pair that is held together; further lines help.
 
 import csv
 from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -14,11 +16,27 @@ from scipy.spatial import cKDTree
 
 from pipeline.cable.mosaic import MosaicBlock, PointPairs
 from pipeline.core.errors import StageError
+from pipeline.core.files import write_csv
 
 COLUMNS = ("block_a", "x_a", "y_a", "z_a", "block_b", "x_b", "y_b", "z_b")
 
 FARTHEST_M = 0.02
 """A point farther than this from its block's surface is a slip, not a mark at its edge."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class HandPair:
+    """One line of the file: a mark on one block and the same on another.
+
+    Attributes:
+        block_a, block_b: numbers of two blocks, in any order.
+        point_a, point_b: (x, y, z), metres as the blocks stand.
+    """
+
+    block_a: int
+    block_b: int
+    point_a: tuple[float, float, float]
+    point_b: tuple[float, float, float]
 
 
 def read_pairs(path: Path, blocks: tuple[str, ...]) -> tuple[PointPairs, ...]:
@@ -40,16 +58,37 @@ def read_pairs(path: Path, blocks: tuple[str, ...]) -> tuple[PointPairs, ...]:
         raise StageError("mosaic", f"{path} is no CSV in UTF-8", "correct --pairs") from error
     if not rows:
         raise StageError("mosaic", f"{path} holds no pairs", "write one line for each two neighbours")
-    found: dict[tuple[int, int], list[tuple[list[float], list[float]]]] = defaultdict(list)
+    found = []
     for line, row in enumerate(rows, start=2):
         first, second = (_block(path, line, row, side, blocks) for side in "ab")
         if first == second:
             raise StageError("mosaic", f"line {line} of {path} pairs a block with itself", "name two blocks")
         points = [[_number(path, line, row, f"{axis}_{side}") for axis in "xyz"] for side in "ab"]
-        key, pair = ((first, second), (points[0], points[1]))
-        if first > second:
-            key, pair = (second, first), (points[1], points[0])
-        found[key].append(pair)
+        (xa, ya, za), (xb, yb, zb) = points
+        found.append(HandPair(block_a=first, block_b=second, point_a=(xa, ya, za), point_b=(xb, yb, zb)))
+    return group_pairs(found)
+
+
+def write_pairs(path: Path, pairs: Sequence[HandPair], blocks: tuple[str, ...]) -> None:
+    """Write pairs so that :func:`read_pairs` gives the same ones, to the last digit.
+
+    Raises:
+        StageError: the file cannot be written.
+    """
+    rows = [
+        [blocks[p.block_a], *map(float, p.point_a), blocks[p.block_b], *map(float, p.point_b)] for p in pairs
+    ]
+    write_csv(path, COLUMNS, rows, "mosaic")
+
+
+def group_pairs(pairs: Iterable[HandPair]) -> tuple[PointPairs, ...]:
+    """The pairs of each two blocks together, in the order in which they were chosen."""
+    found: dict[tuple[int, int], list[tuple[tuple[float, ...], tuple[float, ...]]]] = defaultdict(list)
+    for pair in pairs:
+        if pair.block_a < pair.block_b:
+            found[pair.block_a, pair.block_b].append((pair.point_a, pair.point_b))
+        else:
+            found[pair.block_b, pair.block_a].append((pair.point_b, pair.point_a))
     return tuple(
         PointPairs(
             first=first,

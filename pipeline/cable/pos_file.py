@@ -85,6 +85,48 @@ def write_pos(path: Path, block: Block, frames: FrameSequence, priors: PosPriors
     write_csv(path, ["name", *VALUES, *SIGMAS], rows, stage="pos")
 
 
+@dataclass(frozen=True, kw_only=True)
+class PosMatch:
+    """Which rows of a POS file belong to which frames.
+
+    Attributes:
+        names: of the rows, as written.
+        frames: (rows,) number of the row's frame in its source; -1 where it is no frame of this block, -2
+            where an earlier row has taken its frame.
+        without_row: numbers of the frames that have no row, ascending.
+    """
+
+    names: tuple[str, ...]
+    frames: tuple[int, ...]
+    without_row: tuple[int, ...]
+
+
+NO_FRAME, TAKEN = -1, -2
+
+
+def match_pos(path: Path, frames: FrameSequence) -> PosMatch:
+    """Tell which rows found their frame, for a person to look at; refuses nothing that can be shown.
+
+    Args:
+        path: the CSV file.
+        frames: all frames of the block's source.
+
+    Raises:
+        StageError: the file, its columns or a number does not fit.
+    """
+    rows, resolve = _read_rows(path), _Names(frames)
+    found: list[int] = []
+    taken: set[int] = set()
+    for row in rows:
+        key = resolve(row.name)
+        number = key if isinstance(key, int) else NO_FRAME
+        found.append(TAKEN if number in taken else number)
+        if number >= 0:
+            taken.add(number)
+    without = sorted(set(frames.source_indices.tolist()) - taken)
+    return PosMatch(names=tuple(row.name for row in rows), frames=tuple(found), without_row=tuple(without))
+
+
 def _read_rows(path: Path) -> list[_Row]:
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()

@@ -89,7 +89,7 @@ def build_ring(
     emit: Emit,
 ) -> Ring:
     """Join the placed blocks."""
-    alignment = _align(blocks, mosaic)
+    alignment = align(blocks, mosaic)
     sparse = np.concatenate([p for p, _ in _placed(blocks, mosaic, alignment, 8)])
     radius_m = float(np.median(np.hypot(sparse[:, 0], sparse[:, 2])))
     texel_mm = options.texel_mm or max(b.picture.texel_mm for b in blocks)
@@ -145,7 +145,7 @@ def _placed(
         yield (points if alignment is None else alignment.apply(points)), number
 
 
-def _align(blocks: tuple[MosaicBlock, ...], mosaic: Mosaic) -> Alignment:
+def align(blocks: tuple[MosaicBlock, ...], mosaic: Mosaic) -> Alignment:
     """Turn and shift the fitted axis onto the y axis, without turning about it or sliding along it."""
     points = np.concatenate([p for p, _ in _placed(blocks, mosaic, None, 12)])
     cylinder = fit_cylinder(points, direction=(0.0, 1.0, 0.0))

@@ -13,7 +13,7 @@ from pipeline.cable.mosaic import Mosaic, MosaicBlock, PointPairs, mosaic_blocks
 from pipeline.cable.pairs import check_pairs, read_pairs
 from pipeline.cable.pos import robot_priors, travel_share_sigma
 from pipeline.cable.ring import Ring, build_ring
-from pipeline.cable.uncertainty import RingSigmas, Uncertainty
+from pipeline.cable.uncertainty import Uncertainty
 from pipeline.core.runfolder import Product
 from pipeline.core.store import stamp_file
 from pipeline.core.vocabulary import FrameSequence, Lens
@@ -160,9 +160,5 @@ class RingStages(BlockStages):
             window_mm=tuple(p.value.window_mm for p in self.made["dense"]),
             focal_shares=tuple(lens.focal_sigma_px / lens.focal_px for lens in lenses),
             travel_share=travel_share_sigma(self._survey.cable),
-            together=None
-            if ring is None
-            else RingSigmas(
-                y_m=ring.section_y_m, diameter_mm=ring.diameter_sigma_mm, lens_mm=ring.lens_sigma_mm
-            ),
+            together=None if ring is None else ring.strips,
         )

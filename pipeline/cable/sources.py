@@ -81,17 +81,76 @@ def read_frames(block: Block) -> Iterator[Frame]:
         yield frame
 
 
+def read_frame(block: Block, index: int) -> Frame:
+    """Read one image of a block, the same as :func:`read_frames` gives, without those before it.
+
+    Raises:
+        StageError: there is no such frame, or it cannot be read.
+    """
+    if not is_video(block):
+        files = image_files(block)
+        _check_index(block, index, len(files))
+        return Frame(index=index, image=_read_image(files[index]), promised=len(files))
+    video = _open_video(block.source)
+    try:
+        promised = _promised(video)
+        _check_index(block, index, promised)
+        video.set(cv2.CAP_PROP_POS_FRAMES, index)
+        good, image = video.read()
+    finally:
+        video.release()
+    if not good:
+        raise _error(f"frame {index} of {block.source} cannot be read", "copy the video again from the robot")
+    return Frame(index=index, image=_as_bytes(image), promised=promised)
+
+
+def count_frames(block: Block) -> int:
+    """Number of images that a block's source claims to hold.
+
+    Raises:
+        StageError: a folder without images, or no video.
+    """
+    if not is_video(block):
+        return len(image_files(block))
+    video = _open_video(block.source)
+    try:
+        return _promised(video)
+    finally:
+        video.release()
+
+
+def _promised(video: Any) -> int:  # noqa: ANN401 - cv2 has no types
+    """By the container; where that says nothing, by looking through, which leaves the video at its end."""
+    told = int(video.get(cv2.CAP_PROP_FRAME_COUNT))
+    if told > 0:
+        return told
+    count = 0
+    while video.grab():
+        count += 1
+    return count
+
+
+def _check_index(block: Block, index: int, count: int) -> None:
+    if not 0 <= index < count:
+        raise _error(
+            f"{block.source} has no frame {index}, for it holds {count}",
+            f"choose one from 0 to {max(count - 1, 0)}",
+        )
+
+
 def _image_frames(block: Block) -> Iterator[tuple[Frame, str]]:
     files = image_files(block)
     for index, path in enumerate(files):
-        # through Python's own reading, which also opens names that OpenCV cannot
-        data = np.frombuffer(path.read_bytes(), dtype=np.uint8)
-        image = cv2.imdecode(data, cv2.IMREAD_COLOR) if len(data) else None
-        if image is None:
-            raise _error(
-                f"{path} cannot be read as an image", "replace the file or take it out of the folder"
-            )
-        yield Frame(index=index, image=_as_bytes(image), promised=len(files)), str(path)
+        yield Frame(index=index, image=_read_image(path), promised=len(files)), str(path)
+
+
+def _read_image(path: Path) -> Image:
+    # through Python's own reading, which also opens names that OpenCV cannot
+    data = np.frombuffer(path.read_bytes(), dtype=np.uint8)
+    image = cv2.imdecode(data, cv2.IMREAD_COLOR) if len(data) else None
+    if image is None:
+        raise _error(f"{path} cannot be read as an image", "replace the file or take it out of the folder")
+    return _as_bytes(image)
 
 
 def _video_frames(block: Block) -> Iterator[tuple[Frame, str]]:

@@ -5,6 +5,7 @@ section 2.4).  Leaves out colour.
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import cv2
 import numpy as np
@@ -54,10 +55,15 @@ class BlockSurface:
     measured: NDArray[np.bool_]
     score: Image
 
+    @cached_property
+    def median_radius_m(self) -> float:
+        """Median of all cells; kept, as a preview or a fit asks for it again and again."""
+        return float(np.nanmedian(self.radius_m))
+
     @property
     def cell_m(self) -> tuple[float, float]:
         """Side of a cell along the cable and around it, metres."""
-        around = (self.azimuth[1] - self.azimuth[0]) * float(np.nanmedian(self.radius_m))
+        around = (self.azimuth[1] - self.azimuth[0]) * self.median_radius_m
         return float(self.y_m[1] - self.y_m[0]), float(around)
 
     def points(self, rows: slice = slice(None), columns: slice = slice(None)) -> Array:
@@ -89,12 +95,18 @@ def build_surface(dense: RadiusMap, options: SurfaceOptions) -> BlockSurface:
 
 def mesh_surface(surface: BlockSurface, stands: NDArray[np.bool_], options: SurfaceOptions) -> Mesh:
     """The TIN of the cells that stand, (n, m) bool, thinned to the wanted edge length."""
-    along_m, around_m = surface.cell_m
-    rows = slice(None, None, max(round(options.mesh_mm / 1000 / along_m), 1))
-    columns = slice(None, None, max(round(options.mesh_mm / 1000 / around_m), 1))
+    rows, columns = mesh_cells(surface, options)
     outward = np.broadcast_to(surface.outward(), (*stands.shape, 3))[rows, columns]
     points = smoothed(surface, options.mesh_mm).points(rows, columns)
     return mesh_of_grid(points, stands[rows, columns] & np.isfinite(points[..., 0]), outward)
+
+
+def mesh_cells(surface: BlockSurface, options: SurfaceOptions) -> tuple[slice, slice]:
+    """The rows and columns of cells that become vertices."""
+    along_m, around_m = surface.cell_m
+    rows = slice(None, None, max(round(options.mesh_mm / 1000 / along_m), 1))
+    columns = slice(None, None, max(round(options.mesh_mm / 1000 / around_m), 1))
+    return rows, columns
 
 
 def smoothed(surface: BlockSurface, width_mm: float) -> BlockSurface:
@@ -102,7 +114,7 @@ def smoothed(surface: BlockSurface, width_mm: float) -> BlockSurface:
     along_m, around_m = surface.cell_m
     sigma = (width_mm / 2000 / around_m, width_mm / 2000 / along_m)
     known = np.isfinite(surface.radius_m)
-    middle = np.float32(np.nanmedian(surface.radius_m))
+    middle = np.float32(surface.median_radius_m)
     excess = np.where(known, surface.radius_m - middle, 0).astype(np.float32)
     weight = cv2.GaussianBlur(known.astype(np.float32), (0, 0), sigmaX=sigma[0], sigmaY=sigma[1])
     total = cv2.GaussianBlur(excess, (0, 0), sigmaX=sigma[0], sigmaY=sigma[1])

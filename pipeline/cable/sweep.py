@@ -79,9 +79,9 @@ class FrameReader:
         if frame not in self._held:
             image = self._read(frame).astype(np.float32)
             if self._blur_px > 0:
-                image = cv2.GaussianBlur(image, (0, 0), self._blur_px).astype(np.float32)
+                image = np.asarray(cv2.GaussianBlur(image, (0, 0), self._blur_px), dtype=np.float32)
             if self._detail_px > 0:
-                image = image - cv2.GaussianBlur(image, (0, 0), self._detail_px).astype(np.float32)
+                image = image - np.asarray(cv2.GaussianBlur(image, (0, 0), self._detail_px), dtype=np.float32)
             self._held[frame] = image
             if len(self._held) > self._keep:
                 self._held.popitem(last=False)
@@ -116,18 +116,19 @@ def sweep_strip(
         window: side of the comparison window in cells, odd.
         baseline_power: agreements are averaged with the baselines to this power as weights.
     """
-    centre = SurfaceView(lens, poses, reference, grid)
-    sides = [[SurfaceView(lens, poses, f, grid) for f in side] for side in (ahead, behind)]
+    reach_m = float(np.abs(offsets_m).max())
+
+    def path(frame: int) -> _Path:
+        return _Path(SurfaceView(lens, poses, frame, grid), start_m, reach_m)
+
+    centre, paths = path(reference), [[path(f) for f in side] for side in (ahead, behind)]
     baselines_m = np.linalg.norm(poses.centres - poses.centres[reference], axis=1)
     weights = (baselines_m / max(baselines_m.max(), 1e-9)) ** baseline_power
-    visible = [[v.visible(start_m, window) * np.float32(weights[v.frame]) for v in s] for s in sides]
-    seen = centre.visible(start_m, window)
-    reach_m = float(np.abs(offsets_m).max())
-    path = _Path(centre, start_m, reach_m)
-    paths = [[_Path(view, start_m, reach_m) for view in side] for side in sides]
+    visible = [[p.visible(window) * np.float32(weights[p.frame]) for p in side] for side in paths]
+    seen = centre.visible(window)
     volumes = np.zeros((2, len(offsets_m), *start_m.shape), dtype=np.float32)
     for index, offset in enumerate(offsets_m):
-        template = _Template(path.sample(frames[reference], offset), window)
+        template = _Template(centre.sample(frames[reference], offset), window)
         for side in (0, 1):
             for other, weight in zip(paths[side], visible[side], strict=True):
                 sampled = other.sample(frames[other.frame], offset)
@@ -178,25 +179,39 @@ class SurfaceView:
 
     def pixels(self, radius_m: Image) -> tuple[Image, Image]:
         """Where the cells lie in the frame, OpenCV's origin (centre of the first pixel)."""
-        x, y, z = self._base + radius_m * self._outward
-        u, v = x / z, y / z
+        u, v, z = (base + radius_m * out for base, out in zip(self._base, self._outward, strict=True))
+        np.divide(np.float32(1), z, out=z)
+        u *= z
+        v *= z
         # distort: the root of k u d^2 - d + u = 0 that goes to u for k -> 0
-        grow = 2 * self._lens.focal_px / (1 + np.sqrt(np.maximum(1 - 4 * self._k * (u * u + v * v), 0)))
+        grow = u * u
+        grow += v * v
+        grow *= -4 * self._k
+        grow += 1
+        np.sqrt(np.maximum(grow, 0, out=grow), out=grow)
+        grow += 1
+        np.divide(np.float32(2 * self._lens.focal_px), grow, out=grow)
         cx, cy = self._lens.principal_point_px
-        return (u * grow + np.float32(cx - 0.5), v * grow + np.float32(cy - 0.5))
+        u *= grow
+        u += np.float32(cx - 0.5)
+        v *= grow
+        v += np.float32(cy - 0.5)
+        return u, v
 
-    def sample(self, image: Image, radius_m: Image, interpolation: int = cv2.INTER_CUBIC) -> Image:
-        """The frame's values at the cells, (n, m) or (n, m, 3); ``interpolation`` is one of OpenCV's."""
-        column, row = self.pixels(radius_m)
-        return np.asarray(cv2.remap(image, column, row, interpolation), dtype=np.float32)
-
-    def visible(self, radius_m: Image, window: int) -> Image:
-        """1 where the whole comparison window lies in the frame, else 0."""
-        column, row = self.pixels(radius_m)
+    def visible(self, pixels: tuple[Image, Image], window: int) -> Image:
+        """1 where the whole comparison window about a cell at ``pixels`` lies in the frame, else 0."""
+        column, row = pixels
         inside = (column > 1) & (column < self._lens.width_px - 3) & (row > 1)
         inside &= row < self._lens.height_px - 3
+        if window == 1:
+            return inside.astype(np.float32)
         kernel = np.ones((window, window), dtype=np.uint8)
         return cv2.erode(inside.astype(np.uint8), kernel, borderValue=1).astype(np.float32)
+
+
+def sample(image: Image, pixels: tuple[Image, Image], interpolation: int = cv2.INTER_CUBIC) -> Image:
+    """A frame's values where the cells lie in it, (n, m) or (n, m, 3); ``interpolation`` is OpenCV's."""
+    return np.asarray(cv2.remap(image, *pixels, interpolation), dtype=np.float32)
 
 
 class _Path:
@@ -208,19 +223,24 @@ class _Path:
 
     def __init__(self, view: SurfaceView, start_m: Image, reach_m: float) -> None:
         self.frame = view.frame
-        reach = np.float32(reach_m)
+        self._view, reach = view, np.float32(reach_m)
+        self._start = view.pixels(start_m)
         self._terms = [
             (here, (after - before) / (2 * reach), (after + before - 2 * here) / (2 * reach**2))
             for before, here, after in zip(
-                view.pixels(start_m - reach), view.pixels(start_m), view.pixels(start_m + reach), strict=True
+                view.pixels(start_m - reach), self._start, view.pixels(start_m + reach), strict=True
             )
         ]
+
+    def visible(self, window: int) -> Image:
+        """1 where the whole comparison window about the start lies in the frame, else 0."""
+        return self._view.visible(self._start, window)
 
     def sample(self, image: Image, offset_m: float) -> Image:
         """The frame's values at the cells whose radius is ``offset_m`` larger than at the start."""
         offset = np.float32(offset_m)
         column, row = (here + offset * (slope + offset * bend) for here, slope, bend in self._terms)
-        return np.asarray(cv2.remap(image, column, row, cv2.INTER_CUBIC), dtype=np.float32)
+        return sample(image, (column, row))
 
 
 class _Template:

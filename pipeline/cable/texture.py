@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from pipeline.cable.adjust import Orientation
 from pipeline.cable.surface import BlockSurface
-from pipeline.cable.sweep import Image, SurfaceView, SweepGrid
+from pipeline.cable.sweep import Image, SurfaceView, SweepGrid, sample
 from pipeline.core.events import Emit, Event
 from pipeline.core.vocabulary import Array, FrameSequence
 
@@ -77,10 +77,11 @@ def texture_block(
         rows = np.flatnonzero(blend > 0)
         strip = slice(int(rows[0]), int(rows[-1]) + 1)
         view = SurfaceView(orientation.lens, orientation.poses, frame, _rows(grid, strip))
-        colour = view.sample(reader[frame], radius[strip])
+        pixels = view.pixels(radius[strip])
+        colour = sample(reader[frame], pixels)
         if pattern is not None:
             colour = colour / pattern.at(grid.y_m[strip] - along[frame])[..., None]
-        factor = (view.visible(radius[strip], 1) * blend[strip, None]).astype(np.float32)
+        factor = (view.visible(pixels, 1) * blend[strip, None]).astype(np.float32)
         total[strip] += np.nan_to_num(colour) * factor[..., None]
         weight[strip] += factor
     known = (weight > 0.3) & np.isfinite(radius)
@@ -131,8 +132,9 @@ class _Pattern:
             places = SweepGrid(axis=grid.axis, azimuth=grid.azimuth, y_m=y_m + self._ahead)
             view = SurfaceView(orientation.lens, orientation.poses, frame, places)
             even = np.full(logs.shape, middle, dtype=np.float32)
-            seen = view.visible(even, 1) > 0
-            gray = view.sample(reader[frame], even).mean(axis=2)
+            pixels = view.pixels(even)
+            seen = view.visible(pixels, 1) > 0
+            gray = sample(reader[frame], pixels).mean(axis=2)
             logs += np.where(seen, np.log(np.maximum(gray, 1)), 0)
             count += seen
         mean = np.where(count > 0, logs / np.maximum(count, 1), 0)

@@ -18,13 +18,15 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cable.sweep import SurfaceView, SweepGrid
+from pipeline.cable.sweep import SurfaceView, SweepGrid, sample
 from pipeline.core.axis import AxisCurve
 from pipeline.core.division import project
 from pipeline.core.vocabulary import Array, Lens, Poses
 
 Gray = NDArray[np.uint8]
 PYRAMID_LEVELS = 2
+NEAR = 0.4
+"""Where the last frame's points were found within so many windows of their guess, one level will do."""
 END_SHARE = 4  # the end frames look further along the cable than the others: let them give more points
 
 
@@ -169,8 +171,9 @@ class Tracker:
             view = SurfaceView(self._lens, self._poses, frame, grid)
             radius = np.full((len(y_m), len(self._azimuth)), self._radius_m, dtype=np.float32)
             # OpenCV's cubic moves edges by up to 0.05 px, depending on where between the pixels they lie
-            picture = view.sample(self._read(frame).astype(np.float32), radius, cv2.INTER_LANCZOS4)
-            seen = view.visible(radius, 1) > 0
+            pixels = view.pixels(radius)
+            picture = sample(self._read(frame).astype(np.float32), pixels, cv2.INTER_LANCZOS4)
+            seen = view.visible(pixels, 1) > 0
             filled = np.where(seen, picture, picture[seen].mean() if seen.any() else 0)
             normal = normalise(filled.astype(np.float32), self._options.normalise_px)
             self._held[frame] = _Sheet(normal, first)  # all of one size: OpenCV's tracker demands it
@@ -208,32 +211,39 @@ class Tracker:
         self, home: int, step: int, places: Array
     ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64], Array]]:
         alive, drift = np.arange(len(places)), np.zeros_like(places)
-        frame = home + step
+        frame, levels = home + step, PYRAMID_LEVELS
         while 0 <= frame < len(self._poses) and len(alive):
             guess = places[alive] + drift[alive]
             inside = self._on_sheet(frame, guess)
             alive, guess = alive[inside], guess[inside]
             if not len(alive):
                 return
-            measured, good = self._find(home, frame, places[alive], guess)
+            measured, good = self._find(home, frame, places[alive], guess, levels)
             alive, measured = alive[good], measured[good]
             drift[alive] = measured - places[alive]
+            missed = np.linalg.norm(measured - guess[good], axis=1)
+            near = len(missed) and np.percentile(missed, 90) < NEAR * self._options.window_px
+            levels = 1 if near else PYRAMID_LEVELS
             yield np.full(len(alive), frame), alive, measured
             frame += step
 
-    def _find(self, home: int, frame: int, places: Array, guess: Array) -> tuple[Array, NDArray[np.bool_]]:
+    def _find(
+        self, home: int, frame: int, places: Array, guess: Array, levels: int
+    ) -> tuple[Array, NDArray[np.bool_]]:
         options = self._options
-        there, found, difference = self._flow(home, frame, places, guess)
-        back, returned, _ = self._flow(frame, home, there, places)
+        there, found, difference = self._flow(home, frame, places, guess, levels)
+        # begun at its known end: it leaves it where it was wrong, and needs no pyramid
+        back, returned, _ = self._flow(frame, home, there, places, 0)
         good = found & returned & self._on_sheet(frame, there) & (difference < options.difference)
         return there, good & (np.linalg.norm(back - places, axis=1) < options.round_trip_px)
 
     def _flow(
-        self, source: int, target: int, places: Array, guess: Array
+        self, source: int, target: int, places: Array, guess: Array, levels: int
     ) -> tuple[Array, NDArray[np.bool_], Array]:
         """Pyramidal Lucas-Kanade from sheet to sheet, on no more of them than the points need."""
         one, other = self._sheet(source), self._sheet(target)
-        first, second = self._strips(places[:, 1] - one.first_row, guess[:, 1] - other.first_row)
+        rows = places[:, 1] - one.first_row, guess[:, 1] - other.first_row
+        first, second = self._strips(*rows, self._options.window_px << levels)
         window = (self._options.window_px, self._options.window_px)
         moved, found, difference = cv2.calcOpticalFlowPyrLK(
             one.picture[first],
@@ -241,7 +251,7 @@ class Tracker:
             np.ascontiguousarray((places - [0, one.first_row + first.start])[:, None], dtype=np.float32),
             np.ascontiguousarray((guess - [0, other.first_row + second.start])[:, None], dtype=np.float32),
             winSize=window,
-            maxLevel=PYRAMID_LEVELS,
+            maxLevel=levels,
             criteria=(cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 30, 0.005),
             flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
         )
@@ -249,9 +259,9 @@ class Tracker:
         lost = found[:, 0] != 1  # OpenCV leaves whatever stood there
         return there, ~lost, np.where(lost, np.inf, np.nan_to_num(difference[:, 0], nan=np.inf))
 
-    def _strips(self, rows: Array, guessed_rows: Array) -> tuple[slice, slice]:
+    def _strips(self, rows: Array, guessed_rows: Array, margin: int) -> tuple[slice, slice]:
         """Two strips of sheet, of one height, that hold the points with room for the coarsest template."""
-        height, margin = 2 * self._reach + 1, self._options.window_px << PYRAMID_LEVELS
+        height = 2 * self._reach + 1
         lows = [int(r.min()) - margin for r in (rows, guessed_rows)]
         highs = [int(r.max()) + margin for r in (rows, guessed_rows)]
         size = min(max(high - low for low, high in zip(lows, highs, strict=True)), height)

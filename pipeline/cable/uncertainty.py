@@ -10,20 +10,11 @@ import numpy as np
 
 from pipeline.cable.closest_fit import PARAMETERS
 from pipeline.cable.cutting import Cut
+from pipeline.cable.joint_sections import RingSigmas
 from pipeline.cable.mosaic import Mosaic
 from pipeline.cable.ring import Ring
 from pipeline.core.fits.circle import Circle
 from pipeline.core.vocabulary import Array
-
-
-@dataclass(frozen=True, kw_only=True)
-class RingSigmas:
-    """From the joint adjustment, at places y_m (n,): sigma of a diameter, travel taken as exact, mm; of
-    which the lenses' share, mm."""
-
-    y_m: Array
-    diameter_mm: Array
-    lens_mm: Array
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,6 +34,18 @@ class Uncertainty:
     focal_shares: tuple[float, ...]
     travel_share: float
     together: RingSigmas | None
+
+
+def mean_over(length_mm: float, window_mm: Array) -> Array:
+    """Variance of the mean over a length, as a share of that of a single cell matched in such a window (k,).
+
+    Two cells share the part of their windows that overlaps, so their correlation falls evenly to zero over a
+    window (measured on the radius maps: 0.54 half a window apart, nothing left at one), and the mean over a
+    length has the variance of that triangle (Papoulis and Pillai, *Probability, Random Variables and
+    Stochastic Processes*, 4th edition, 2002, section 12-1, time averages).
+    """
+    share = np.maximum(window_mm, 1e-9) / length_mm
+    return np.where(share < 1, share * (1 - share / 3), 1 - 1 / (3 * np.maximum(share, 1)))
 
 
 class Spread:
@@ -65,14 +68,17 @@ class Spread:
         if together is None:
             return image, float(np.hypot(self._scale(cut, gain, angle), travel)), self._lens(cut, gain)
         y_m = float(cut.points[:, 1].mean()) / 1000
-        whole = float(np.interp(y_m, together.y_m, together.diameter_mm))
-        lens = float(np.interp(y_m, together.y_m, together.lens_mm))
+        whole, lens = together.sigmas_mm(y_m, cut.block, -angle, gain)
         return image, float(np.sqrt(max(whole**2 - lens**2, 0.0) + travel**2)), lens
 
     def _image(self, cut: Cut, gain: Array, radius_mm: float) -> float:
-        """Windows of the sweep overlap their neighbours: so many bins as a window covers are alike."""
-        noise = self._noise_mm[cut.block]
-        alike = np.maximum(self._window_mm[cut.block] / (np.deg2rad(self._bin_deg) * radius_mm), 1.0)
+        """Windows of the sweep overlap their neighbours: so many bins as a window covers are alike.
+
+        Around the cable every bin is one of those; along it a bin is already the mean over the slice.
+        """
+        window_mm = self._window_mm[cut.block]
+        alike = np.maximum(window_mm / (np.deg2rad(self._bin_deg) * radius_mm), 1.0)
+        noise = self._noise_mm[cut.block] * np.sqrt(mean_over(cut.length_mm, window_mm))
         return float(np.sqrt(np.sum(alike * (gain * noise) ** 2)))
 
     def _scale(self, cut: Cut, gain: Array, angle: Array) -> float:

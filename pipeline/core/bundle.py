@@ -6,7 +6,7 @@ Triggs et al., 2000, section 3).  The equations themselves are in :mod:`pipeline
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from pipeline.core.normals import (
     Normals,
     assemble,
     covariance,
+    order_along_cable,
+    point_equations,
+    point_steps,
     solve,
     split_along_cable,
     with_point_equations,
@@ -24,6 +27,7 @@ from pipeline.core.rotations import vector_from_rotation
 from pipeline.core.smooth_surface import SurfacePrior
 from pipeline.core.vocabulary import Array
 
+FIRST_DAMPING = 1e-8  # weak modes (focal length against stand-off) do not move under more
 WORST_PX = 50.0  # what a point behind the camera costs, so that a step cannot win by hiding points there
 
 
@@ -123,9 +127,11 @@ def adjust_bundle(
         tell: called with (iteration, iterations) before each step.
         surface: pseudo-observations of the points; its covariance is then in that of the orientations.
     """
+    order = order_along_cable(observations)
+    observations = observations.subset(order)
     chunks = split_along_cable(observations, len(rig.points))
     state = linearise(rig, observations)
-    cost, damping, taken = _cost(state, rig, priors, options, surface), 1e-4, 0
+    cost, damping, taken = _cost(state, rig, priors, options, surface), FIRST_DAMPING, 0
     for taken in range(1, options.iterations + 1):
         tell(taken, options.iterations)
         normals = _with_surface(_normals(state, rig, priors, options, chunks), rig, surface)
@@ -146,10 +152,12 @@ def adjust_bundle(
         if gain < options.tolerance:
             break
     normals = _normals(state, rig, priors, options, chunks)
+    residuals = np.empty_like(state.residuals)
+    residuals[order] = state.residuals
     return BundleResult(
         rig=rig,
-        residuals=state.residuals,
-        weights=_weights(state.residuals, options),
+        residuals=residuals,
+        weights=_weights(residuals, options),
         covariance=covariance(_with_surface(normals, rig, surface))[: rig.unknowns, : rig.unknowns],
         normals=normals,
         iterations=taken,
@@ -165,15 +173,12 @@ def intersect_points(rig: Rig, observations: Observations, iterations: int = 5) 
     Returns:
         The rig with its points moved, and the (N, 2) residuals in pixels.
     """
-    held = np.zeros(rig.unknowns)
-    chunks = split_along_cable(observations, len(rig.points))
     for number in range(iterations):
-        state = linearise(rig, observations)
-        weights = _weights(state.residuals, BundleOptions()) if number >= 2 else np.ones(len(observations))
-        normals = assemble(state, np.sqrt(weights), held, held, chunks)
-        step, point_steps = solve(normals, 1e-6)
-        rig = rig.moved(step, point_steps)
-    return rig, linearise(rig, observations).residuals
+        state = linearise(rig, observations, by_orientation=False)
+        weights = _weights(state.residuals, BundleOptions())
+        roots = np.sqrt(weights) if number >= 2 else (weights > 0).astype(float)
+        rig = replace(rig, points=rig.points + point_steps(*point_equations(state, roots, len(rig.points))))
+    return rig, linearise(rig, observations, by_orientation=False).residuals
 
 
 def _normals(

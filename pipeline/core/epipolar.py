@@ -122,13 +122,25 @@ def reconstruct_projective(F: Array, points1: ArrayLike, points2: ArrayLike) -> 
     P1 = np.hstack([np.eye(3), np.zeros((3, 1))])
     P2 = np.hstack([cross_matrix(e2) @ F + size * np.outer(e2, e1), e2[:, None]])
     corrected1, corrected2 = _onto_epipolar_relation(F, points1, points2)
-    # step 4: rho1 m1 = [I|0] M and rho2 m2 = [A|e2] M; crossing with m removes rho
-    rows = [cross_matrix(homogeneous(m)) @ P for m, P in ((corrected1, P1), (corrected2, P2))]
-    _, _, right = np.linalg.svd(np.concatenate(rows, axis=1))
-    points = right[:, 3]
+    points = _intersected(P2, corrected1, corrected2)
     errors = [_pinhole(P, points) - np.asarray(m, float) for P, m in ((P1, points1), (P2, points2))]
     residuals = np.sqrt(np.mean(np.concatenate(errors, axis=1) ** 2, axis=1))
     return ProjectiveReconstruction(points=points, P1=P1, P2=P2, residuals_px=residuals)
+
+
+def _intersected(P2: Array, first: Array, second: Array) -> Array:
+    """Step 4 of Algorithm 1: rho1 m1 = [I | 0] M and rho2 m2 = P2 M, (n, 4) of unit length.
+
+    The first says M ~ (m1, w); crossing the second with m2 removes rho2 and leaves one unknown w in three
+    equations, which agree with each other because the pairs lie on the epipolar relation.
+    """
+    m1, m2 = homogeneous(first), homogeneous(second)
+    from_ray, from_centre = np.cross(m2, m1 @ P2[:, :3].T), np.cross(m2, P2[:, 3])
+    # M = (m1 s, w) with s from_ray + w from_centre = 0: no division, so that no depth is lost
+    share = np.einsum("ni,ni->n", from_centre, from_centre)
+    depth = -np.einsum("ni,ni->n", from_centre, from_ray)
+    points = np.column_stack([m1 * share[:, None], depth])
+    return points / np.linalg.norm(points, axis=1, keepdims=True)
 
 
 def _pinhole(P: Array, points: Array) -> Array:

@@ -66,6 +66,13 @@ def write_text(path: Path, text: str, stage: str = "output") -> None:
         temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
+def write_bytes(path: Path, content: bytes, stage: str = "output") -> Path:
+    """Write bytes; gives the path back."""
+    with replacing(path, stage) as temporary:
+        temporary.write_bytes(content)
+    return path
+
+
 def write_json(path: Path, value: object, stage: str = "output") -> None:
     """Write JSON; dataclasses, arrays, paths and enums become plain, numbers that are none become null."""
     write_text(path, json.dumps(plain(value), indent=2, ensure_ascii=False, allow_nan=False) + "\n", stage)

@@ -16,6 +16,15 @@ from pipeline.core.errors import StageError
 from pipeline.core.rotations import cross_matrix, rotation_from_vector
 from pipeline.core.vocabulary import Array
 
+BATCH = 16
+"""So many random samples are compared at a time: of good matches fewer would do."""
+
+LEAST_GAIN = 1e-8
+"""The refinement ends when a step lowers the cost by no more than this share."""
+
+TURNS = cross_matrix(np.eye(3))
+"""Derivatives of a rotation by its vector, about the three axes."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class FundamentalOptions:
@@ -59,13 +68,39 @@ def homogeneous(points: ArrayLike) -> Array:
     return np.concatenate([xy, np.ones((len(xy), 1))], axis=1)
 
 
+@dataclass(frozen=True)
+class _Pairs:
+    """Pairs of points prepared for many F: (3, n) homogeneous, and (n, 9) their products m2_i m1_j."""
+
+    first: Array
+    second: Array
+    products: Array
+
+    @staticmethod
+    def of(points1: ArrayLike, points2: ArrayLike) -> "_Pairs":
+        m1, m2 = homogeneous(points1), homogeneous(points2)
+        products = (m2[:, :, None] * m1[:, None, :]).reshape(-1, 9)
+        return _Pairs(np.ascontiguousarray(m1.T), np.ascontiguousarray(m2.T), products)
+
+    def slopes(self, F: Array) -> Array:
+        """Length of the gradient of m2^T F m1 by the four coordinates, (n,) or (s, n) for F (s, 3, 3)."""
+        l2, l1 = F[..., :2, :] @ self.first, np.swapaxes(F, -1, -2)[..., :2, :] @ self.second
+        squared = l2[..., 0, :] ** 2 + l2[..., 1, :] ** 2 + l1[..., 0, :] ** 2 + l1[..., 1, :] ** 2
+        return np.sqrt(squared)
+
+    def signed(self, F: Array) -> Array:
+        """Signed Sampson distances, (n,) or (s, n) for F (s, 3, 3)."""
+        algebraic = F.reshape(*F.shape[:-2], 9) @ self.products.T
+        return algebraic / np.maximum(self.slopes(F), 1e-300)
+
+
 def sampson_distances(F: Array, points1: ArrayLike, points2: ArrayLike) -> Array:
     """Sampson distances (n,), not negative, in the unit of the points.
 
     First order of the distance from the pair (x1, y1, x2, y2) to the epipolar relation.
     Hartley and Zisserman, "Multiple View Geometry", 2nd ed. 2003, equation (11.9).
     """
-    return np.abs(_signed_sampson(F, homogeneous(points1), homogeneous(points2)))
+    return np.abs(_Pairs.of(points1, points2).signed(F))
 
 
 def estimate_fundamental(
@@ -87,14 +122,17 @@ def estimate_fundamental(
     T1, T2 = _normalisation(first), _normalisation(second)
     F, drawn = _best_sample(first, second, T1, T2, choice)
     bound = choice.gate * choice.noise_sigma
+    pairs, used = _Pairs.of(first, second), np.zeros(len(first), dtype=bool)
     for _ in range(3):
-        inliers = sampson_distances(F, first, second) < bound
+        inliers = np.abs(pairs.signed(F)) < bound
         if inliers.sum() < 8:
             raise StageError(
                 "epipolar", f"only {inliers.sum()} of {len(first)} pairs agree on one F", "check the matches"
             )
-        F = _refined(F, first[inliers], second[inliers], T1, T2)
-    distances = sampson_distances(F, first, second)
+        if (inliers == used).all():
+            break
+        F, used = _refined(F, first[inliers], second[inliers], T1, T2), inliers
+    distances = np.abs(pairs.signed(F))
     inliers = distances < bound
     rms = float(np.sqrt(np.mean(distances[inliers] ** 2))) if inliers.any() else float("nan")
     return FundamentalEstimate(F=F, inliers=inliers, rms=rms, sample_count=drawn)
@@ -113,26 +151,22 @@ def eight_point(points1: ArrayLike, points2: ArrayLike, weights: ArrayLike | Non
 def _best_sample(
     first: Array, second: Array, T1: Array, T2: Array, choice: FundamentalOptions
 ) -> tuple[Array, int]:
-    """The F of eight random pairs with the smallest truncated cost; samples are drawn 50 at a time."""
+    """The F of eight random pairs with the smallest truncated cost; samples are drawn in batches."""
     rng, bound2 = np.random.default_rng(choice.seed), (choice.gate * choice.noise_sigma) ** 2
-    m1, m2 = homogeneous(first), homogeneous(second)
+    pairs = _Pairs.of(first, second)
+    n1, n2 = homogeneous(first) @ T1.T, homogeneous(second) @ T2.T
     best, best_cost, drawn, needed = np.zeros((3, 3)), np.inf, 0, choice.largest_sample_count
     while drawn < min(needed, choice.largest_sample_count):
-        samples = np.argsort(rng.random((50, len(first))), axis=1)[:, :8]
-        for F in T2.T @ _linear(m1[samples] @ T1.T, m2[samples] @ T2.T, np.ones(8)) @ T1:
-            distances2 = _signed_sampson(F, m1, m2) ** 2
-            cost = float(np.sum(np.minimum(distances2, bound2)))
-            if cost < best_cost:
-                best, best_cost = F, cost
-                needed = _samples_needed(float(np.mean(distances2 < bound2)), choice.confidence)
-        drawn += 50
+        samples = np.argpartition(rng.random((BATCH, len(first))), 7, axis=1)[:, :8]
+        candidates = T2.T @ _linear(n1[samples], n2[samples], np.ones(8)) @ T1
+        distances2 = pairs.signed(candidates) ** 2
+        costs = np.minimum(distances2, bound2).sum(axis=1)
+        number = int(np.argmin(costs))
+        if costs[number] < best_cost:
+            best, best_cost = candidates[number], float(costs[number])
+            needed = _samples_needed(float(np.mean(distances2[number] < bound2)), choice.confidence)
+        drawn += BATCH
     return _scaled(best), drawn
-
-
-def _signed_sampson(F: Array, m1: Array, m2: Array) -> Array:
-    l2, l1 = m1 @ F.T, m2 @ F
-    slope = np.sqrt(np.sum(l1[:, :2] ** 2, axis=1) + np.sum(l2[:, :2] ** 2, axis=1))
-    return np.sum(m2 * l2, axis=1) / np.maximum(slope, 1e-300)
 
 
 def _samples_needed(share: float, confidence: float) -> int:
@@ -168,14 +202,13 @@ def _refined(F: Array, first: Array, second: Array, T1: Array, T2: Array) -> Arr
     """
     left, singular, right = np.linalg.svd(np.linalg.inv(T2).T @ F @ np.linalg.inv(T1))
     state = (left, float(np.arctan2(singular[1], singular[0])), right.T)
-    m1, m2 = homogeneous(first), homogeneous(second)
-    damping, distances = 1e-4, _signed_sampson(_compose(state, T1, T2), m1, m2)
+    pairs = _Pairs.of(first, second)
+    damping, distances = 1e-4, pairs.signed(_compose(state, T1, T2))
+    normal, gradient = _normal_equations(state, distances, pairs, T1, T2)
     for _ in range(30):
-        jacobian = _jacobian(state, m1, m2, T1, T2)
-        normal, gradient = jacobian.T @ jacobian, jacobian.T @ distances
         step = -np.linalg.solve(normal + damping * np.diag(np.diag(normal) + 1e-12), gradient)
         trial = _moved(state, step)
-        trial_distances = _signed_sampson(_compose(trial, T1, T2), m1, m2)
+        trial_distances = pairs.signed(_compose(trial, T1, T2))
         gain = distances @ distances - trial_distances @ trial_distances
         if gain < 0:
             damping *= 10
@@ -183,8 +216,9 @@ def _refined(F: Array, first: Array, second: Array, T1: Array, T2: Array) -> Arr
                 break
             continue
         state, distances, damping = trial, trial_distances, damping / 10
-        if gain <= 1e-10 * (distances @ distances) + 1e-25:
+        if gain <= LEAST_GAIN * (distances @ distances) + 1e-25:
             break
+        normal, gradient = _normal_equations(state, distances, pairs, T1, T2)
     return _scaled(_compose(state, T1, T2))
 
 
@@ -193,7 +227,8 @@ State = tuple[Array, float, Array]
 
 def _moved(state: State, step: Array) -> State:
     U, angle, V = state
-    return U @ rotation_from_vector(step[:3]), angle + step[6], V @ rotation_from_vector(step[3:6])
+    turns = rotation_from_vector(step[:6].reshape(2, 3))
+    return U @ turns[0], angle + step[6], V @ turns[1]
 
 
 def _compose(state: State, T1: Array, T2: Array) -> Array:
@@ -201,14 +236,15 @@ def _compose(state: State, T1: Array, T2: Array) -> Array:
     return T2.T @ U @ np.diag([np.cos(angle), np.sin(angle), 0]) @ V.T @ T1
 
 
-def _jacobian(state: State, m1: Array, m2: Array, T1: Array, T2: Array) -> Array:
-    """(n, 7), the slope of the Sampson denominator left out (it vanishes with the distance)."""
+def _normal_equations(
+    state: State, distances: Array, pairs: _Pairs, T1: Array, T2: Array
+) -> tuple[Array, Array]:
+    """(7, 7) and (7,), the slope of the Sampson denominator left out (it vanishes with the distance)."""
     U, angle, V = state
-    F = _compose(state, T1, T2)
-    slope = np.linalg.norm(np.concatenate([(m1 @ F.T)[:, :2], (m2 @ F)[:, :2]], axis=1), axis=1)
     middle = np.diag([np.cos(angle), np.sin(angle), 0])
-    turns = cross_matrix(np.eye(3))
-    parts = [T2.T @ U @ turn @ middle @ V.T @ T1 for turn in turns]
-    parts += [T2.T @ U @ middle @ turn.T @ V.T @ T1 for turn in turns]
-    parts.append(T2.T @ U @ np.diag([-np.sin(angle), np.cos(angle), 0]) @ V.T @ T1)
-    return np.stack([np.sum(m2 * (m1 @ part.T), axis=1) / slope for part in parts], axis=1)
+    by_left = U @ TURNS @ middle @ V.T
+    by_right = U @ middle @ np.swapaxes(TURNS, 1, 2) @ V.T
+    by_angle = U @ np.diag([-np.sin(angle), np.cos(angle), 0]) @ V.T
+    parts = T2.T @ np.concatenate([by_left, by_right, by_angle[None]]) @ T1
+    jacobian = (parts.reshape(7, 9) @ pairs.products.T) / pairs.slopes(_compose(state, T1, T2))
+    return jacobian @ jacobian.T, jacobian @ distances

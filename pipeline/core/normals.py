@@ -7,6 +7,7 @@ points, so that memory follows the overlap of the frames and not the length of t
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +22,12 @@ POINTS_PER_CHUNK = 2000
 
 @dataclass(frozen=True)
 class Chunk:
-    """Points ``first`` to ``last``; for each image its observations and their points, counted from
+    """Points ``first`` to ``last``; for each image a run of its observations and their points, counted from
     ``first``."""
 
     first: int
     last: int
-    images: tuple[tuple[Indices, Indices], ...]
+    images: tuple[tuple[slice, Indices], ...]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +50,7 @@ class PointEquations:
 
 @dataclass(frozen=True)
 class _Eliminated:
-    """One chunk's part of the normal equations: (u,) unknowns, (u, 3m) cross terms, (m, 3, 3), (m, 3)."""
+    """One chunk's part of the normal equations: (u,) unknowns, (u, 3, m) cross terms, (m, 3, 3), (m, 3)."""
 
     chunk: Chunk
     unknowns: Indices
@@ -69,17 +70,52 @@ class Normals:
     parts: tuple[_Eliminated, ...]
 
 
+def order_along_cable(observations: Observations) -> Indices:
+    """(N,) the order of observations that :func:`split_along_cable` cuts into the fewest runs."""
+    chunk = observations.point // POINTS_PER_CHUNK
+    return np.lexsort((observations.point, _image(observations), chunk))
+
+
 def split_along_cable(observations: Observations, points: int) -> tuple[Chunk, ...]:
-    """Cut the points into runs of neighbours and group each run's observations by image."""
-    image = observations.frame * (observations.camera.max(initial=0) + 1) + observations.camera
-    chunks = []
-    for first in range(0, points, POINTS_PER_CHUNK):
-        last = min(first + POINTS_PER_CHUNK, points)
-        inside = np.flatnonzero((observations.point >= first) & (observations.point < last))
-        order = inside[np.argsort(image[inside], kind="stable")]
-        groups = np.split(order, np.flatnonzero(np.diff(image[order])) + 1) if len(order) else []
-        chunks.append(Chunk(first, last, tuple((g, observations.point[g] - first) for g in groups)))
-    return tuple(chunks)
+    """Cut the points into chunks of neighbours, and the observations into runs of one chunk and one image."""
+    chunk, image = observations.point // POINTS_PER_CHUNK, _image(observations)
+    changes = (np.diff(chunk, prepend=-1) != 0) | (np.diff(image, prepend=-1) != 0)
+    bounds = [*np.flatnonzero(changes).tolist(), len(observations)]
+    firsts = range(0, points, POINTS_PER_CHUNK)
+    images: list[list[tuple[slice, Indices]]] = [[] for _ in firsts]
+    for start, end in pairwise(bounds):
+        number = int(chunk[start])
+        images[number].append((slice(start, end), observations.point[start:end] - firsts[number]))
+    return tuple(
+        Chunk(first, min(first + POINTS_PER_CHUNK, points), tuple(runs))
+        for first, runs in zip(firsts, images, strict=True)
+    )
+
+
+def _image(observations: Observations) -> Indices:
+    return observations.frame * (observations.camera.max(initial=0) + 1) + observations.camera
+
+
+def point_equations(state: Linearisation, roots: Array, points: int) -> tuple[Array, Array]:
+    """Every point's own normal equations with all else held: (M, 3, 3) and (M, 3).
+
+    Args:
+        state: observation equations.
+        roots: (N,) square root of each observation's weight, 0 where a point cannot be projected.
+        points: M.
+    """
+    weights = roots**2
+    residuals = np.where(roots > 0, state.residuals.T, 0.0)
+
+    def summed(first: Array, second: Array) -> Array:
+        shares = weights * (first[0] * second[0] + first[1] * second[1])
+        return np.bincount(state.point, weights=shares, minlength=points)
+
+    blocks = np.empty((points, 3, 3))
+    for i in range(3):
+        for j in range(i + 1):
+            blocks[:, i, j] = blocks[:, j, i] = summed(state.points[i], state.points[j])
+    return blocks, np.stack([summed(by_point, residuals) for by_point in state.points], axis=1)
 
 
 def assemble(
@@ -89,43 +125,37 @@ def assemble(
 
     Args:
         state: observation equations.
-        roots: (N,) square root of each observation's weight, 1/px.
+        roots: (N,) square root of each observation's weight, 1/px; 0 where a point cannot be projected.
         deviation: (U,) of the unknowns from their priors.
         sigmas: (U,) of the priors; 0 holds an unknown, inf frees it.
         chunks: from :func:`split_along_cable`.
     """
-    residuals = np.nan_to_num(state.residuals) * roots[:, None]
-    orientation = np.nan_to_num(state.orientation) * roots[:, None, None]
-    by_point = np.nan_to_num(state.points) * roots[:, None, None]
     held = sigmas == 0
     information = np.divide(1.0, sigmas**2, out=np.zeros_like(sigmas), where=~held)
     matrix, right = np.diag(information), -information * deviation
+    residuals = np.where(roots > 0, state.residuals.T * roots, 0.0)
+    blocks, point_right = point_equations(state, roots, chunks[-1].last if chunks else 0)
     parts = []
     for chunk in chunks:
-        count = chunk.last - chunk.first
-        blocks, point_right = np.zeros((count, 3, 3)), np.zeros((count, 3))
-        touched = [state.columns[rows[0]] for rows, _ in chunk.images]
+        touched = [state.columns[state.image[rows.start]] for rows, _ in chunk.images]
         unknowns = np.unique(np.concatenate(touched)) if touched else np.zeros(0, dtype=np.int64)
         unknowns = unknowns[~held[unknowns]]
         place = np.full(len(sigmas), -1)
         place[unknowns] = np.arange(len(unknowns))
-        cross = np.zeros((len(unknowns), count, 3))
-        for rows, local in chunk.images:
-            columns = state.columns[rows[0]]
-            free = np.flatnonzero(~held[columns])
+        cross = np.zeros((len(unknowns), 3, chunk.last - chunk.first))
+        for (rows, local), columns in zip(chunk.images, touched, strict=True):
+            free = ~held[columns]
             columns = columns[free]
-            jacobian = orientation[rows][:, :, free]
-            flat = jacobian.reshape(2 * len(rows), len(free))
-            matrix[np.ix_(columns, columns)] += flat.T @ flat
-            right[columns] += flat.T @ residuals[rows].ravel()
-            jp = by_point[rows]
-            blocks[local] += jp.transpose(0, 2, 1) @ jp
-            point_right[local] += np.einsum("nij,ni->nj", jp, residuals[rows])
-            mixed = (jacobian.transpose(0, 2, 1) @ jp).transpose(1, 0, 2)
-            cross[place[columns][:, None], local[None, :]] += mixed
-        parts.append(
-            _Eliminated(chunk, unknowns, cross.reshape(len(unknowns), 3 * count), blocks, point_right)
-        )
+            jacobian = state.orientation[:, :, rows][free] * roots[rows]
+            flat = jacobian.reshape(len(columns), -1)
+            matrix[np.ix_(columns, columns)] += flat @ flat.T
+            right[columns] += flat @ residuals[:, rows].ravel()
+            by_point = state.points[:, :, rows] * roots[rows]
+            mixed = jacobian[:, None, 0] * by_point[:, 0]
+            mixed += jacobian[:, None, 1] * by_point[:, 1]
+            cross[np.ix_(place[columns], range(3), local)] += mixed
+        mine = slice(chunk.first, chunk.last)
+        parts.append(_Eliminated(chunk, unknowns, cross, blocks[mine], point_right[mine]))
     return Normals(matrix, right, np.flatnonzero(~held), tuple(parts))
 
 
@@ -141,7 +171,7 @@ def with_point_equations(normals: Normals, said: PointEquations) -> Normals:
     for part in normals.parts:
         rows = slice(part.chunk.first, part.chunk.last)
         by_point = said.points[rows]
-        mixed = (said.shared[rows].T[:, :, None] * by_point).reshape(more, -1)
+        mixed = said.shared[rows].T[:, None] * by_point.T
         parts.append(
             _Eliminated(
                 part.chunk,
@@ -156,15 +186,21 @@ def with_point_equations(normals: Normals, said: PointEquations) -> Normals:
 
 def solve(normals: Normals, damping: float) -> tuple[Array, Array]:
     """One damped step (Levenberg-Marquardt): (U,) for the orientations and (M, 3) for the points."""
-    reduced, right, inverses = _reduce(normals, damping)
+    reduced, right, halves = _reduce(normals, damping)
     step = np.zeros(len(normals.right))
     if len(normals.active):
         step[normals.active] = cho_solve(cho_factor(reduced), right)
-    point_steps = [
-        np.einsum("nij,nj->ni", inverse, part.right - (step[part.unknowns] @ part.cross).reshape(-1, 3))
-        for part, inverse in zip(normals.parts, inverses, strict=True)
-    ]
+    point_steps = []
+    for part, half in zip(normals.parts, halves, strict=True):
+        moved = step[part.unknowns] @ part.cross.reshape(len(part.unknowns), -1)
+        point_right = part.right - moved.reshape(3, -1).T
+        point_steps.append(np.einsum("nji,njk,nk->ni", half, half, point_right, optimize=True))
     return step, np.concatenate(point_steps)
+
+
+def point_steps(blocks: Array, right: Array) -> Array:
+    """The points' steps (M, 3) with all else held, from :func:`point_equations`."""
+    return np.einsum("mij,mj->mi", np.linalg.inv(_damped(blocks, 1e-6)), right)
 
 
 def covariance(normals: Normals) -> Array:
@@ -189,25 +225,33 @@ def gradient_through_points(normals: Normals, gains: Array) -> Array:
     """
     gradient = np.zeros((len(gains), len(normals.right)))
     for part in normals.parts:
-        inverse = np.linalg.inv(_damped(part.blocks, 0.0))
         mine = gains[:, part.chunk.first : part.chunk.last]
-        moved = np.einsum("nmi,mij->nmj", mine, inverse).reshape(len(gains), -1)
-        gradient[:, part.unknowns] -= moved @ part.cross.T
+        if not mine.any():
+            continue
+        inverse = np.linalg.inv(_damped(part.blocks, 0.0))
+        moved = np.einsum("nmi,mij->njm", mine, inverse).reshape(len(gains), -1)
+        gradient[:, part.unknowns] -= moved @ part.cross.reshape(len(part.unknowns), -1).T
     return gradient
 
 
 def _reduce(normals: Normals, damping: float) -> tuple[Array, Array, list[Array]]:
-    """The Schur complement over all points, its right-hand side, and each part's inverted blocks."""
-    matrix, right, inverses = normals.matrix.copy(), normals.right.copy(), []
+    """The Schur complement over all points, its right-hand side, and for each part the inverted Cholesky
+    factors (m, 3, 3) of its blocks: inverse = half^T half."""
+    matrix, right, halves = normals.matrix.copy(), normals.right.copy(), []
     matrix[np.diag_indices_from(matrix)] *= 1 + damping
     for part in normals.parts:
-        inverse = np.linalg.inv(_damped(part.blocks, damping))
-        cross = part.cross.reshape(len(part.unknowns), len(part.blocks), 3)
-        weighted = np.einsum("umi,mij->umj", cross, inverse).reshape(part.cross.shape)
-        matrix[np.ix_(part.unknowns, part.unknowns)] -= weighted @ part.cross.T
-        right[part.unknowns] -= weighted @ part.right.ravel()
-        inverses.append(inverse)
-    return matrix[np.ix_(normals.active, normals.active)], right[normals.active], inverses
+        half = np.linalg.inv(np.linalg.cholesky(_damped(part.blocks, damping)))
+        by_entry = np.ascontiguousarray(half.transpose(1, 2, 0))
+        weighted = np.empty_like(part.cross)
+        for i in range(3):  # lower triangles
+            np.multiply(part.cross[:, 0], by_entry[i, 0], out=weighted[:, i])
+            for j in range(1, i + 1):
+                weighted[:, i] += part.cross[:, j] * by_entry[i, j]
+        flat = weighted.reshape(len(part.unknowns), -1)
+        matrix[np.ix_(part.unknowns, part.unknowns)] -= flat @ flat.T
+        right[part.unknowns] -= flat @ np.einsum("mij,mj->im", half, part.right).ravel()
+        halves.append(half)
+    return matrix[np.ix_(normals.active, normals.active)], right[normals.active], halves
 
 
 def _damped(blocks: Array, damping: float) -> Array:

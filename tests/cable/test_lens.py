@@ -181,9 +181,9 @@ def test_a_grid_over_both_is_straight_after_and_bent_before(frames):
     height, width = plain[0].shape[:2]
     left, top = (width - 960) // 2, (height - 600) // 2
     ideal = np.array([[480 + 80 * 4 + 20.0, 300 + 80 * 3]])  # on a level line, between two upright ones
-    x, y = (np.floor(ideal[0]) + [left, top]).astype(int)
+    x, y = np.floor(ideal[0] + np.array([left, top])).astype(int)
     assert drawn[1][y - 1 : y + 2, x].any()
     assert not drawn[0][y - 2 : y + 3, x].any()
     seen = rays_to_pixels(LENS, (ideal - [480, 300]) / 720)
-    x, y = (np.floor(seen[0]) + [left, top]).astype(int)
+    x, y = np.floor(seen[0] + np.array([left, top])).astype(int)
     assert drawn[0][y - 1 : y + 2, x].any()

@@ -129,12 +129,18 @@ def test_a_video_without_a_cable_is_refused(tmp_path, barrel_view):
         find(scene.sequence([file] * scene.FRAMES))
 
 
-def test_progress_is_told_frame_by_frame(barrel_frames):
+def test_progress_is_told_frame_by_frame_then_pair_by_pair(barrel_frames):
     events = []
     find(barrel_frames, emit=events.append)
-    assert [(e.stage, e.block, e.done, e.total) for e in events] == [
-        ("match", "Block1", k, scene.FRAMES) for k in range(scene.FRAMES)
-    ]
+    assert {(e.stage, e.block) for e in events} == {("match", "Block1")}
+    shares = [e.done / e.total for e in events]
+    assert shares == sorted(shares)
+    count = len(barrel_frames)
+    np.testing.assert_allclose(shares[:count], 0.7 * np.arange(count) / count, atol=1e-3)
+    pairs = (count - OPTIONS.epipolar_step) + (count - 1)
+    assert len(shares) == count + pairs
+    assert shares[count] == pytest.approx(0.7)
+    assert 0.9 < shares[-1] < 1
 
 
 def test_the_result_hangs_on_the_seed_alone(barrel_frames, found):

@@ -6,11 +6,13 @@ import pytest
 
 from pipeline.cable.measure import Measurement, Section
 from pipeline.cable.relief import Relief
+from pipeline.cable.ring import Alignment, Ring
 from pipeline.report.deviation import (
     NOT_MEASURED,
     base_deviation_mm,
     circle_deviation_mm,
     diverging_colours,
+    is_measured,
     mean_diameter_mm,
     profile_at,
     section_deviation_mm,
@@ -22,8 +24,10 @@ AZIMUTH = -np.pi + (np.arange(360) + 0.5) * np.pi / 180
 
 def section(diameter_mm):
     unknown = dict.fromkeys(
-        ("sigma_mm", "sigma_image_mm", "sigma_scale_mm", "sigma_lens_mm", "base_diameter_mm")
-        + ("base_sigma_mm", "min_mm", "max_mm", "coverage_deg"),
+        (
+            *("sigma_mm", "sigma_image_mm", "sigma_scale_mm", "sigma_lens_mm", "base_diameter_mm"),
+            *("base_sigma_mm", "min_mm", "max_mm", "coverage_deg"),
+        ),
         0.0,
     )
     empty = {"centre_mm": np.zeros(2), "points_mm": np.zeros((0, 2))}
@@ -109,3 +113,23 @@ def test_colours_are_those_of_the_reports_maps():
     wanted = mpl.colormaps["RdBu_r"]((np.clip(values / 0.5, -1, 1) + 1) / 2)[:, :3] * 255
     np.testing.assert_allclose(diverging_colours(values, 0.5), wanted, atol=3)
     np.testing.assert_array_equal(diverging_colours(np.array([np.nan]), 0.5), [NOT_MEASURED])
+
+
+def test_what_was_only_closed_is_told_from_what_was_measured():
+    measured = np.ones((21, 360), bool)
+    measured[8:12, 200:240] = False  # 40 to 55 mm along, azimuths 20 to 60 degrees
+    ring = Ring(
+        alignment=Alignment(rotation=np.eye(3), translation=np.zeros(3)),
+        azimuth=AZIMUTH,
+        y_m=Y_M,
+        radius_m=np.full((21, 360), 0.055),
+        measured=measured,
+        picture=np.zeros((1, 1, 3), np.uint8),
+        picture_known=np.ones((1, 1), bool),
+        picture_y_m=np.zeros(1),
+        picture_azimuth=np.zeros(1),
+        texel_mm=1.0,
+    )
+    around = np.radians([40.0, 19.0, -40.0])
+    np.testing.assert_array_equal(is_measured(tube(55.0, around, 0.05), ring), [False, True, True])
+    assert is_measured(tube(55.0, around, 0.06), ring).all()

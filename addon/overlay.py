@@ -1,0 +1,178 @@
+"""What is written over the 3D views: the stations' figures, and the legend of the surface's colours.
+
+Batches are made once; drawing sets them into place and writes the numbers.  Leaves out Blender without a
+window.
+"""
+
+from collections.abc import Iterator
+from functools import cache
+from typing import Any
+
+import blf
+import bpy
+import gpu
+from bpy.app.translations import pgettext_iface as translated
+from bpy.app.translations import pgettext_n as n_
+from bpy_extras.view3d_utils import location_3d_to_region_2d
+from gpu_extras.batch import batch_for_shader
+
+from .results.collections import STATIONS, existing
+
+TITLES = {
+    "MEAN": n_("Deviation from mean"),
+    "NOMINAL": n_("Deviation from nominal"),
+    "BASE": n_("Relief"),
+}
+STEPS = 64
+BAR_PX, MARGIN_PX = (16, 180), (30, 60)
+FONT_PX, LINE_PX, PAD_PX, GAP_PX = 12, 20, 6, 2
+WHITE, BACK, PROVISIONAL = (1.0, 1.0, 1.0, 1.0), (0.06, 0.06, 0.06, 0.85), (0.6, 0.85, 1.0, 1.0)
+
+_handle: list[Any] = []
+
+type Box = tuple[float, float, float, float]
+"""Left, low, width, height, in pixels."""
+
+
+def ticks(limit_mm: float) -> tuple[tuple[float, str], ...]:
+    """Places on the bar, 0 at its foot to 1 at its head, and what stands there."""
+    digits = 2 if limit_mm >= 0.1 else 3
+    places = (-1.0, -0.5, 0.0, 0.5, 1.0)
+    return tuple((p / 2 + 0.5, f"{p * limit_mm:+.{digits}f}".replace("-", "−") if p else "0") for p in places)
+
+
+def title(scene: bpy.types.Scene) -> str:
+    """What the colours show, with its unit."""
+    measure = scene.cabletwin.measure
+    text = translated(TITLES[measure.colour_by])
+    diameter_mm = {
+        "MEAN": measure.mean_diameter_mm,
+        "NOMINAL": 1000 * scene.cabletwin.survey.diameter,
+    }.get(measure.colour_by)
+    return f"{text} (mm)" if diameter_mm is None else f"{text} ⌀ {diameter_mm:.2f} (mm)"
+
+
+def apart(boxes: list[Box]) -> list[Box]:
+    """The boxes raised one after the other, from the left, until none lies over another; order is kept."""
+    placed: dict[int, Box] = {}
+    for index in sorted(range(len(boxes)), key=lambda k: boxes[k][0]):
+        box = boxes[index]
+        while tops := [other[1] + other[3] for other in placed.values() if _over(box, other)]:
+            box = (box[0], max(tops) + GAP_PX, *box[2:])
+        placed[index] = box
+    return [placed[index] for index in range(len(boxes))]
+
+
+def _over(one: Box, other: Box) -> bool:
+    return all(
+        one[k] < other[k] + other[k + 2] + GAP_PX / 2 and other[k] < one[k] + one[k + 2] + GAP_PX / 2
+        for k in (0, 1)
+    )
+
+
+def _draw() -> None:
+    context = bpy.context
+    if not context.space_data.overlay.show_overlays:
+        return
+    scale = context.preferences.system.ui_scale
+    blf.size(0, FONT_PX * scale)
+    gpu.state.blend_set("ALPHA")
+    _labels(context, scale)
+    if context.scene.cabletwin.measure.colour_by != "TEXTURE":
+        _legend(context, scale)
+    gpu.state.blend_set("NONE")
+
+
+def _labels(context: bpy.types.Context, scale: float) -> None:
+    """The figures of the stations that are shown."""
+    pad, found = PAD_PX * scale, list(_anchors(context))
+    boxes = [(x, y, blf.dimensions(0, text)[0] + 2 * pad, LINE_PX * scale) for (x, y), text, _ in found]
+    for box, (_, text, colour) in zip(apart(boxes), found, strict=True):
+        _plate(box)
+        _write(text, box[0] + pad, box[1] + pad, colour)
+
+
+def _anchors(
+    context: bpy.types.Context,
+) -> Iterator[tuple[tuple[float, float], str, tuple[float, ...]]]:
+    stations = existing(context.scene, STATIONS)
+    for item in stations.objects if stations else ():
+        if "cabletwin_label" not in item or not item.visible_get(view_layer=context.view_layer):
+            continue
+        place = location_3d_to_region_2d(context.region, context.region_data, item.matrix_world.translation)
+        if place is not None:
+            colour = PROVISIONAL if item.get("cabletwin_provisional") else WHITE
+            yield (place.x, place.y), item["cabletwin_label"], colour
+
+
+def _legend(context: bpy.types.Context, scale: float) -> None:
+    scene, pad = context.scene, PAD_PX * scale
+    left, low = MARGIN_PX[0] * scale + _covered(context.area), MARGIN_PX[1] * scale
+    width, height = (scale * b for b in BAR_PX)
+    line, heading = LINE_PX * scale, title(scene)
+    wide = max(blf.dimensions(0, heading)[0], width + 4 * line)
+    _plate((left - pad, low - line / 2 - pad, wide + 2 * pad, height + 2.2 * line + 2 * pad))
+    with gpu.matrix.push_pop():
+        gpu.matrix.translate((left, low))
+        gpu.matrix.scale((width, height))
+        shader, batch = _bar()
+        batch.draw(shader)
+    for share, text in ticks(scene.cabletwin.measure.limit_mm):
+        _write(text, left + width + 8 * scale, low + share * height - 4 * scale, WHITE)
+    _write(heading, left, low + height + line, WHITE)
+
+
+def _write(text: str, x: float, y: float, colour: tuple[float, ...]) -> None:
+    blf.color(0, *colour)
+    blf.position(0, x, y, 0)
+    blf.draw(0, text)
+
+
+def _plate(box: Box) -> None:
+    """A dark plate behind what is written, so that it is legible over anything."""
+    shader, batch = _square()
+    with gpu.matrix.push_pop():
+        gpu.matrix.translate(box[:2])
+        gpu.matrix.scale(box[2:])
+        shader.uniform_float("color", BACK)
+        batch.draw(shader)
+
+
+def _covered(area: bpy.types.Area) -> float:
+    """Width of the toolbar that lies over the view's left edge."""
+    return max((r.width for r in area.regions if r.type == "TOOLS" and r.width > 1), default=0)
+
+
+@cache
+def _square() -> tuple[Any, Any]:
+    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
+    return shader, batch_for_shader(shader, "TRI_STRIP", {"pos": [(0, 0), (1, 0), (0, 1), (1, 1)]})
+
+
+@cache
+def _bar() -> tuple[Any, Any]:
+    """Shader and batch of the bar, of width and height 1."""
+    import numpy as np
+
+    from pipeline.report.deviation import diverging_colours
+
+    heights = np.linspace(0, 1, STEPS + 1)
+    colours = diverging_colours(2 * heights - 1, 1.0) / 255.0
+    places = [(float(x), float(y)) for y in heights for x in (0, 1)]
+    paint = [(*map(float, c), 1.0) for c in colours for _ in (0, 1)]
+    shader = gpu.shader.from_builtin("SMOOTH_COLOR")
+    return shader, batch_for_shader(shader, "TRI_STRIP", {"pos": places, "color": paint})
+
+
+def register() -> None:
+    """Draw from now on."""
+    if not bpy.app.background:
+        _handle.append(bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_PIXEL"))
+
+
+def unregister() -> None:
+    """Draw no more."""
+    while _handle:
+        bpy.types.SpaceView3D.draw_handler_remove(_handle.pop(), "WINDOW")
+    for made in (_square, _bar):
+        made.cache_clear()

@@ -1,0 +1,63 @@
+"""Marks of the pairs on the block meshes: small balls with their numbers."""
+
+import bmesh
+import bpy
+from mathutils import Matrix, Vector
+
+from . import collections
+from .materials import plain_material
+from .picking import block_objects
+
+RADIUS_M = 0.001
+COLOURS = (
+    (1.0, 0.45, 0.0, 1.0),
+    (0.1, 0.6, 1.0, 1.0),
+    (0.3, 0.85, 0.2, 1.0),
+    (0.9, 0.2, 0.7, 1.0),
+    (1.0, 0.85, 0.1, 1.0),
+    (0.3, 0.9, 0.85, 1.0),
+)
+_DATA = "CableTwin mark"
+
+
+def show_marks(scene: bpy.types.Scene) -> None:
+    """Draw all pairs of the scene anew."""
+    target = collections.emptied(scene, collections.PAIRS)
+    for number, pair in enumerate(scene.cabletwin.mosaic.pairs):
+        for block, point in ((pair.block_a, pair.point_a), (pair.block_b, pair.point_b)):
+            _mark(scene, target, number, block, Vector(point))
+
+
+def show_pending(scene: bpy.types.Scene, block: str, point: Vector) -> None:
+    """Draw the first point of a pair whose second one is still to come."""
+    target = collections.collection(scene, collections.PAIRS)
+    _mark(scene, target, len(scene.cabletwin.mosaic.pairs), block, point)
+
+
+def _mark(
+    scene: bpy.types.Scene, target: bpy.types.Collection, number: int, block: str, point: Vector
+) -> None:
+    parent = block_objects(scene).get(block)
+    if parent is None:
+        return
+    colour = COLOURS[number % len(COLOURS)]
+    made = bpy.data.objects.new(f"{number + 1} · {block}", _ball(number % len(COLOURS), colour))
+    # not its child: Blender would draw a line from each mark to the origin
+    made.matrix_world = Matrix.LocRotScale(parent.matrix_world @ point, None, (RADIUS_M,) * 3)
+    made.show_name = made.show_in_front = made.hide_select = True
+    made["cabletwin_pair"], made["cabletwin_block"] = number, block
+    target.objects.link(made)
+
+
+def _ball(number: int, colour: tuple[float, float, float, float]) -> bpy.types.Mesh:
+    name = f"{_DATA} {number + 1}"
+    found = bpy.data.meshes.get(name)
+    if found is not None:
+        return found
+    data = bpy.data.meshes.new(name)
+    shape = bmesh.new()
+    bmesh.ops.create_icosphere(shape, subdivisions=2, radius=1.0)
+    shape.to_mesh(data)
+    shape.free()
+    data.materials.append(plain_material(colour))
+    return data

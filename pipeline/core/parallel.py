@@ -1,0 +1,81 @@
+"""Independent pieces of work side by side, in threads, as if they had been done one after the other.
+
+Takes jobs that tell their progress; gives their results in order.  OpenCV and numpy leave the interpreter
+free while they compute, so threads are enough, and nothing is copied.  Progress is told in the calling
+thread, from which alone a run is cancelled.
+"""
+
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from queue import SimpleQueue
+
+from pipeline.core.errors import Cancelled
+from pipeline.core.events import Emit, Event
+
+MOST_WORKERS = 4
+"""Each block that is worked on holds its own pictures in memory."""
+
+
+def workers_for(jobs: int) -> int:
+    """How many jobs are worth doing at once on this machine."""
+    return max(min(jobs, os.process_cpu_count() or 1, MOST_WORKERS), 1)
+
+
+def side_by_side[T](jobs: Sequence[Callable[[Emit], T]], emit: Emit, workers: int) -> list[T]:
+    """Do all jobs, ``workers`` at a time.
+
+    A job that fails lets those before it finish, so that always the same failure is told: the first one's.
+
+    Args:
+        jobs: each is given the emit to tell its progress with, often; it raises Cancelled when to stop.
+        emit: is called in this thread only; where it raises, all jobs are stopped.
+        workers: threads.
+
+    Returns:
+        The results, in the order of the jobs.
+
+    Raises:
+        Exception: what ``emit`` or the first failing job raises.
+    """
+    if workers < 2 or len(jobs) < 2:
+        return [job(emit) for job in jobs]
+    told: SimpleQueue[Event | None] = SimpleQueue()
+    last = [len(jobs)]  # jobs from this number on must stop
+
+    def teller(number: int) -> Emit:
+        def tell(event: Event) -> None:
+            if number >= last[0]:
+                raise Cancelled
+            told.put(event)
+
+        return tell
+
+    with ThreadPoolExecutor(workers) as pool:
+        futures: list[Future[T]] = []
+        try:
+            for number, job in enumerate(jobs):
+                futures.append(pool.submit(job, teller(number)))
+                futures[-1].add_done_callback(lambda _: told.put(None))
+            running = len(jobs)
+            while running:
+                event = told.get()
+                if event is not None:
+                    emit(event)
+                    continue
+                running -= 1
+                failed = [
+                    n for n, f in enumerate(futures) if f.done() and not f.cancelled() and f.exception()
+                ]
+                last[0] = min([*failed, last[0]])
+                for future in futures[last[0] + 1 :]:
+                    future.cancel()
+        finally:
+            last[0] = 0
+            for future in futures:
+                future.cancel()
+    return [future.result() for future in futures]
+
+
+def _failed[T](future: Future[T]) -> bool:
+    return future.done() and not future.cancelled() and future.exception() is not None

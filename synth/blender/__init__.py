@@ -1,0 +1,1 @@
+"""Synth inside a Blender program, which starts ``__main__.py`` of this folder with ``--python``."""

@@ -17,7 +17,7 @@ TREE = "CableTwin ring"
 CAMERAS, STANDOFF_M = 4, 0.3
 FOCAL_SHARE = 0.75
 """Focal length by image width: 720 px of 960."""
-LAMP_W = 3.0
+LAMP_W = 1.0
 
 RING = (
     Panel(
@@ -119,8 +119,8 @@ def _camera(number: int, azimuth: float) -> bpy.types.Object:
 
 
 def _light(number: int, azimuth: float) -> bpy.types.Object:
-    data = bpy.data.lights.new(f"Lamp{number + 1}", "AREA")
-    data.energy, data.size = LAMP_W, 0.04
+    data = bpy.data.lights.new(f"Lamp{number + 1}", "POINT")
+    data.energy, data.shadow_soft_size = LAMP_W, 0.02
     made = bpy.data.objects.new(f"Lamp{number + 1}", data)
     made.matrix_local = looking_at_axis(azimuth, STANDOFF_M)
     return made

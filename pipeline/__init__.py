@@ -12,7 +12,7 @@ stage      takes                                               gives
 survey     survey.toml                                         cable, robot, cameras, as the user wrote them
 frames     videos or pictures                                  the frames worked on, in the order of travel
 *then, block by block*
-lens       frames, the lens as stated                          division lens from plumb lines, flat frames
+lens       frames, the lens as stated                          division lens from plumb lines
 pos        robot, travel, or a POS file                        what is known of each frame's pose
 match      frames, lens, pos                                   tie points along the strip
 adjust     tie points, lens, pos                               poses, points and lens of the block alone
@@ -20,6 +20,7 @@ adjust     tie points, lens, pos                               poses, points and
 closing    frames, adjusted blocks                             marks that neighbouring blocks share
 joint      adjusted blocks, shared marks, robot                all blocks as one rig, with one covariance
 *block by block again*
+undistort  frames, adjusted lens                               flat frames, for people and other programs
 dense      frames, poses, lens                                 a radius for every cell of the surface
 surface    radius map                                          the same without gross errors
 texture    frames, surface                                     the unrolled picture

@@ -17,7 +17,8 @@ from pipeline.core.errors import Cancelled, StageError
 from pipeline.core.events import Emit
 
 STAGE_NAMES = (
-    *("frames", "lens", "pos", "match", "adjust", "closing", "joint", "dense", "surface", "texture", "crop"),
+    *("frames", "lens", "pos", "match", "adjust", "closing", "joint", "undistort"),
+    *("dense", "surface", "texture", "crop"),
     *("mosaic", "ring", "measure", "report"),
 )
 

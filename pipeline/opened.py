@@ -3,28 +3,33 @@
 Takes the folder; gives each stage's product where it is there.  Makes nothing: :mod:`pipeline.product` does.
 """
 
+from __future__ import annotations
+
 import json
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeline.cable.adjust import Orientation
-from pipeline.cable.crop import Crop
-from pipeline.cable.joint import RingOrientation
-from pipeline.cable.measure import Measurement
-from pipeline.cable.mosaic import Mosaic
-from pipeline.cable.records import BlockLens, CableOptions, SurveyFrames
-from pipeline.cable.ring import Ring
-from pipeline.cable.surface import BlockSurface
-from pipeline.cable.texture import UnrolledPicture
 from pipeline.core import store
 from pipeline.core.errors import StageError
 from pipeline.core.options import build
-from pipeline.core.vocabulary import Array, FrameSequence
-from pipeline.report.block_model import cable_from_block
+
+# the stages bring scipy and OpenCV with them, for which Blender must not wait when it starts
+if TYPE_CHECKING:
+    from pipeline.cable.adjust import Orientation
+    from pipeline.cable.crop import Crop
+    from pipeline.cable.joint import RingOrientation
+    from pipeline.cable.lens_records import LensSolution
+    from pipeline.cable.measure import Measurement
+    from pipeline.cable.mosaic import Mosaic
+    from pipeline.cable.records import CableOptions, FlatFrames
+    from pipeline.cable.ring import Ring
+    from pipeline.cable.surface import BlockSurface
+    from pipeline.cable.texture import UnrolledPicture
+    from pipeline.core.vocabulary import Array, FrameSequence
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,14 +38,16 @@ class OpenedBlock:
 
     Attributes:
         frames: as they came from the camera.
-        lens: with the undistorted frames and their pinhole lens.
+        lens: as it was estimated or stated, before any adjustment.
+        flat: undistorted frames and their pinhole lens.
         orientation: of the ring where there is one, else of the block alone.
         surface, picture, crop: in the block's own frame.
         cable_from_block: (4, 4), metres; the identity as long as the blocks are not joined.
     """
 
     frames: FrameSequence
-    lens: BlockLens | None
+    lens: LensSolution | None
+    flat: FlatFrames | None
     orientation: Orientation | None
     surface: BlockSurface | None
     picture: UnrolledPicture | None
@@ -82,6 +89,12 @@ def open_run(folder: Path) -> OpenedRun:
     Raises:
         StageError: no run folder, nothing finished yet, or written by another version of this program.
     """
+    from pipeline.cable.joint import RingOrientation
+    from pipeline.cable.measure import Measurement
+    from pipeline.cable.mosaic import Mosaic
+    from pipeline.cable.records import SurveyFrames
+    from pipeline.cable.ring import Ring
+
     folder = folder.absolute()
     if not (folder / "products").is_dir():
         raise StageError("run", f"{folder} is no run folder", "choose a folder that a reconstruction wrote")
@@ -113,11 +126,20 @@ def _block(
     mosaic: Mosaic | None,
     ring: Ring | None,
 ) -> OpenedBlock:
+    from pipeline.cable.adjust import Orientation
+    from pipeline.cable.crop import Crop
+    from pipeline.cable.lens_records import LensSolution
+    from pipeline.cable.records import FlatFrames
+    from pipeline.cable.surface import BlockSurface
+    from pipeline.cable.texture import UnrolledPicture
+    from pipeline.report.block_model import cable_from_block
+
     name = frames.block
     alone = None if together else _load(folder, "adjust", Orientation, name)
     return OpenedBlock(
         frames=frames,
-        lens=_load(folder, "lens", BlockLens, name),
+        lens=_load(folder, "lens", LensSolution, name),
+        flat=_load(folder, "undistort", FlatFrames, name),
         orientation=together.blocks[number] if together else alone,
         surface=_load(folder, "surface", BlockSurface, name),
         picture=_load(folder, "texture", UnrolledPicture, name),
@@ -146,6 +168,8 @@ def _load[T](folder: Path, stage: str, kind: type[T], block: str = "all") -> T |
 
 
 def _options(folder: Path) -> CableOptions:
+    from pipeline.cable.records import CableOptions
+
     return build(CableOptions, _json(folder / "options.json") or {}, key="options")
 
 

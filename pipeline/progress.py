@@ -13,6 +13,7 @@ SHARES = {
     "adjust": 16.0,
     "closing": 8.0,
     "joint": 9.0,
+    "undistort": 4.0,
     "dense": 15.0,
     "surface": 1.0,
     "texture": 6.0,

@@ -39,7 +39,9 @@ def make_camera(scene: bpy.types.Scene) -> bpy.types.Object:
     data.custom_shader = text  # assigning compiles
     if not data.custom_bytecode_hash or "focal_px" not in data.cycles_custom:
         raise StageError(
-            "lens", f"Cycles did not compile {SHADER_FILE.name}", "reinstall bpy with `make setup`"
+            "lens",
+            f"this Blender's Cycles did not compile {SHADER_FILE.name} (it lacks Open Shading Language)",
+            "use a Blender from blender.org, or from the command line `make setup`",
         )
     return camera
 

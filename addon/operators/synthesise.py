@@ -15,6 +15,7 @@ from ..library import python_executable
 from ..results import collections
 from ..results.ring import add_ring, refresh_ring
 from ..results.sketch import refresh_sketch
+from ..results.view import clear_startup, frame
 from ..synthetic_cable import refresh_sheath, scene_cable
 from .base import Operator
 from .following import JobOperator
@@ -39,6 +40,7 @@ class CABLETWIN_OT_synthesise_add_cable(Operator):
         refresh_sheath(scene)
         refresh_ring(scene)
         _choose(context, cable)
+        _look(context)
 
 
 class CABLETWIN_OT_synthesise_add_ring(Operator):
@@ -54,6 +56,7 @@ class CABLETWIN_OT_synthesise_add_ring(Operator):
     def work(self, context: bpy.types.Context) -> None:
         """Append it in place of one that is there."""
         _choose(context, add_ring(context.scene))
+        _look(context)
 
 
 class CABLETWIN_OT_synthesise_add_library(Operator):
@@ -157,6 +160,13 @@ def _write(path: Path, text: str) -> None:
         raise StageError(
             "synthesise", f"{path} cannot be written ({error.strerror})", "choose another survey folder"
         ) from error
+
+
+def _look(context: bpy.types.Context) -> None:
+    """Turn the views to what the library has brought."""
+    clear_startup(context.scene)
+    context.view_layer.update()  # the modifiers' shapes count
+    frame(context, context.scene, collections.CABLE, collections.RING)
 
 
 def _choose(context: bpy.types.Context, item: bpy.types.Object) -> None:

@@ -4,12 +4,13 @@ import bpy
 
 STAGES = (
     ("frames", "Frames", "Choose the sharpest frames of each video"),
-    ("lens", "Lens", "Lens distortion and undistorted frames"),
+    ("lens", "Lens", "Lens distortion"),
     ("pos", "POS", "Predicted exterior orientation of each frame"),
     ("match", "Match", "Follow tie points through the frames"),
     ("adjust", "Adjust", "Bundle adjustment of each block"),
     ("closing", "Closing", "Marks that neighbouring blocks share"),
     ("joint", "Joint", "Adjustment of all cameras as one ring"),
+    ("undistort", "Undistort", "Frames as a pinhole camera would have taken them"),
     ("dense", "Dense", "A point for each cell of the surface"),
     ("surface", "Surface", "Outliers out, small holes closed"),
     ("texture", "Texture", "Unrolled picture of each block"),

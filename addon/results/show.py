@@ -77,10 +77,10 @@ def _sparse(block: OpenedBlock, most_points: int) -> list[bpy.types.Object]:
 
 
 def _cameras(block: OpenedBlock) -> list[bpy.types.Object]:
-    if block.orientation is None or block.lens is None:
+    if block.orientation is None or block.flat is None:
         return []
-    pictures = block.lens.undistorted.files
-    return camera_objects(block.name, block.orientation.poses, block.lens.pinhole, pictures, CAMERA_M)
+    flat = block.flat
+    return camera_objects(block.name, block.orientation.poses, flat.pinhole, flat.frames.files, CAMERA_M)
 
 
 def _mesh(block: OpenedBlock, run: OpenedRun) -> list[bpy.types.Object]:

@@ -13,13 +13,13 @@ from pipeline.cable.frames import extract_frames
 from pipeline.cable.lens import CableScene, LensSolution, solve_lens, undistort_frames
 from pipeline.cable.match import TiePoints, match_block
 from pipeline.cable.pos import pos_of_block, write_pos
-from pipeline.cable.records import BlockLens, CableOptions, SurveyFrames
+from pipeline.cable.records import CableOptions, FlatFrames, SurveyFrames
 from pipeline.cable.sources import image_files, is_video
 from pipeline.cable.surface import BlockSurface, build_surface
 from pipeline.cable.survey import Block, Survey
 from pipeline.cable.texture import UnrolledPicture, texture_block
 from pipeline.core.errors import StageError
-from pipeline.core.events import Emit, part
+from pipeline.core.events import Emit
 from pipeline.core.runfolder import Product, RunFolder
 from pipeline.core.store import stamp_file
 from pipeline.core.vocabulary import FrameSequence, PosPriors
@@ -74,29 +74,26 @@ class BlockStages:
             for sequence, source in zip(product.value.sequences, sources, strict=True)
         ]
 
-    def _lens(self, n: int, block: Block, emit: Emit) -> Product[BlockLens]:
+    def _lens(self, n: int, block: Block, emit: Emit) -> Product[LensSolution]:
         frames: FrameSequence = self._value("frames", n)
         cable, robot = self._survey.cable, self._survey.robot
         spec, options = block.lens_spec, self._options.lens
         nominal = None if cable.diameter_mm is None else cable.diameter_mm / 1000
         scene = CableScene(travel_m=cable.travel_m, standoff_m=robot.standoff_m, diameter_m=nominal)
 
-        def make() -> BlockLens:
-            solution = solve_lens(
+        def make() -> LensSolution:
+            return solve_lens(
                 frames,
                 block.lens(frames.width_px, frames.height_px),
                 spec.division_lambda is not None,
                 block.travel_in_image,
                 options,
-                part(emit, 0.0, 0.3),
+                emit,
                 scene=scene,
             )
-            folder = self._folder.block(block.name) / "undistorted"
-            undistorted, pinhole = undistort_frames(frames, solution.lens, folder, part(emit, 0.3, 1.0))
-            return BlockLens(solution=solution, undistorted=undistorted, pinhole=pinhole)
 
         needs = [*self._needs(n, "frames"), spec, block.travel_in_image, scene, options]
-        return self._folder.product("lens", BlockLens, make, *needs, block=block.name)
+        return self._folder.product("lens", LensSolution, make, *needs, block=block.name)
 
     def _pos(self, n: int, block: Block, _: Emit) -> Product[PosPriors]:
         survey, options = self._survey, self._options.pos
@@ -114,15 +111,15 @@ class BlockStages:
         return self._folder.product("pos", PosPriors, make, *needs, block=block.name)
 
     def _match(self, n: int, block: Block, emit: Emit) -> Product[TiePoints]:
-        lens: BlockLens = self._value("lens", n)
-        radius_m = self._rough_radius_m(lens.solution)
+        lens: LensSolution = self._value("lens", n)
+        radius_m = self._rough_radius_m(lens)
         needs = [*self._needs(n, "lens", "pos"), block.angle_deg, radius_m, self._options.match]
         return self._folder.product(
             "match",
             TiePoints,
             lambda: match_block(
                 self._value("frames", n),
-                lens.solution.lens,
+                lens.lens,
                 self._value("pos", n),
                 block.angle_deg,
                 radius_m,
@@ -145,14 +142,14 @@ class BlockStages:
         return radius_m
 
     def _adjust(self, n: int, block: Block, emit: Emit) -> Product[Orientation]:
-        lens: BlockLens = self._value("lens", n)
+        lens: LensSolution = self._value("lens", n)
         return self._folder.product(
             "adjust",
             Orientation,
             lambda: adjust_block(
                 block.name,
                 self._value("match", n),
-                lens.solution.lens,
+                lens.lens,
                 self._value("pos", n),
                 self._options.adjust,
                 emit,
@@ -161,6 +158,18 @@ class BlockStages:
             self._options.adjust,
             block=block.name,
         )
+
+    def _undistort(self, n: int, block: Block, emit: Emit) -> Product[FlatFrames]:
+        frames: FrameSequence = self._value("frames", n)
+        lens = self._oriented(n).value.lens
+
+        def make() -> FlatFrames:
+            folder = self._folder.block(block.name) / "undistorted"
+            flat, pinhole = undistort_frames(frames, lens, folder, emit)
+            return FlatFrames(frames=flat, pinhole=pinhole)
+
+        needs = [*self._needs(n, "frames"), lens]
+        return self._folder.product("undistort", FlatFrames, make, *needs, block=block.name)
 
     def _dense(self, n: int, block: Block, emit: Emit) -> Product[RadiusMap]:
         return self._folder.product(

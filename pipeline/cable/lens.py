@@ -106,11 +106,11 @@ def undistort_frames(
     maps = undistortion_maps(lens, pinhole)
     files = []
     for done, file in enumerate(frames.files):
-        emit(Event(stage="lens", done=done, total=len(frames), block=frames.block))
+        emit(Event(stage="undistort", done=done, total=len(frames), block=frames.block))
         image = cv2.remap(read_image(file), *maps, cv2.INTER_CUBIC, borderMode=cv2.BORDER_CONSTANT)
         files.append(folder / f"{file.stem}.png")
-        write_png(files[-1], image, stage="lens")
-    emit(Event(stage="lens", done=len(frames), total=len(frames), block=frames.block))
+        write_png(files[-1], image, stage="undistort")
+    emit(Event(stage="undistort", done=len(frames), total=len(frames), block=frames.block))
     undistorted = replace(frames, files=tuple(files), width_px=pinhole.width_px, height_px=pinhole.height_px)
     return undistorted, pinhole
 

@@ -50,11 +50,13 @@ class SurveyFrames:
 
 
 @dataclass(frozen=True, kw_only=True)
-class BlockLens:
-    """A block's lens, its undistorted frames and their pinhole lens."""
+class FlatFrames:
+    """A block's frames as a pinhole camera would have taken them, and that camera.
 
-    solution: LensSolution
-    undistorted: FrameSequence
+    Nothing is measured in them: they are for people and for other programs.
+    """
+
+    frames: FrameSequence
     pinhole: Lens
 
 
@@ -64,7 +66,7 @@ class BlockRun:
 
     block: Block
     frames: FrameSequence
-    lens: BlockLens
+    lens: LensSolution
     pos: PosPriors
     tie_points: TiePoints
     orientation: Orientation

@@ -72,7 +72,7 @@ def collect(
 
 
 def _block(run: BlockRun) -> BlockSummary:
-    orientation, stated = run.orientation, run.lens.solution
+    orientation, stated = run.orientation, run.lens
     lens, refined = orientation.lens, orientation.lens != stated.lens
     along_m, around_m = run.surface.cell_m
     return BlockSummary(

@@ -331,6 +331,7 @@ TEXTS: dict[str, tuple[str, str]] = {
     "stage_adjust": ("adjust", "平差"),
     "stage_closing": ("closing", "闭合匹配"),
     "stage_joint": ("joint", "整体平差"),
+    "stage_undistort": ("undistort", "影像去畸变"),
     "stage_dense": ("dense", "密集匹配"),
     "stage_surface": ("surface", "构网"),
     "stage_texture": ("texture", "纹理映射"),

@@ -42,6 +42,12 @@ def objects(kind):
     return {o.name if kind == "Pairs" else o["cabletwin_block"]: o for o in found.objects} if found else {}
 
 
+def named(kind):
+    """Objects of the scene's collection of that kind by their names."""
+    found = library("results.collections").existing(bpy.context.scene, kind)
+    return {o.name: o for o in found.objects} if found else {}
+
+
 def reloaded(path):
     """Save, start an empty file, open the saved one; gives the scene's state."""
     bpy.ops.wm.save_as_mainfile(filepath=str(path))

@@ -1,5 +1,7 @@
 """What is exported is what the run wrote."""
 
+import shutil
+
 import bpy
 import pytest
 
@@ -14,8 +16,8 @@ FILES = {
 
 
 @pytest.fixture
-def scene(copied):
-    bpy.context.scene.cabletwin.run.folder = str(copied)
+def scene(finished):
+    bpy.context.scene.cabletwin.run.folder = str(finished.folder)
     assert bpy.ops.cabletwin.results_open() == {"FINISHED"}
     return bpy.context.scene
 
@@ -41,8 +43,10 @@ def test_without_results_it_says_what_to_do(operator, tmp_path):
         getattr(bpy.ops.cabletwin, operator)()
 
 
-def test_an_unfinished_run_is_told(scene, copied, tmp_path):
-    (copied / "report.json").unlink()
+def test_an_unfinished_run_is_told(scene, finished, tmp_path):
+    half = tmp_path / "half"
+    shutil.copytree(finished.folder / "products", half / "products")
+    scene.cabletwin.results.folder = str(half)
     scene.cabletwin.export.folder = str(tmp_path / "out")
     for operator in (bpy.ops.cabletwin.export_files, bpy.ops.cabletwin.export_report):
         with pytest.raises(RuntimeError, match="is not finished; reconstruct first"):
@@ -50,10 +54,10 @@ def test_an_unfinished_run_is_told(scene, copied, tmp_path):
     assert not (tmp_path / "out").exists()
 
 
-def test_a_folder_must_be_chosen_and_the_runs_own_will_not_do(scene, copied):
+def test_a_folder_must_be_chosen_and_the_runs_own_will_not_do(scene, finished):
     with pytest.raises(RuntimeError, match="no folder is chosen"):
         bpy.ops.cabletwin.export_files()
-    scene.cabletwin.export.folder = str(copied)
+    scene.cabletwin.export.folder = str(finished.folder)
     with pytest.raises(RuntimeError, match="is the run folder itself"):
         bpy.ops.cabletwin.export_files()
     for key in FILES:

@@ -15,25 +15,36 @@ PLACE_M = 0.0973
 
 
 @pytest.fixture
-def survey(rendered, copied, tmp_path):
-    """The survey beside its finished run, in a folder of the test's own."""
+def scene(rendered, finished):
+    """A scene that shows survey and run, which are the session's: not to be changed."""
+    return shown(rendered / "survey.toml", finished.folder)
+
+
+@pytest.fixture
+def survey(rendered, tmp_path):
+    """The survey in a folder of the test's own."""
     for file in rendered.iterdir():
-        if file.suffix in {".toml", ".mp4", ".json"}:
+        if file.is_file():
             shutil.copy(file, tmp_path / file.name)
     return tmp_path / "survey.toml"
 
 
 @pytest.fixture
-def scene(survey, copied):
-    """A scene that shows survey and run."""
-    assert bpy.ops.cabletwin.survey_open(filepath=str(survey)) == {"FINISHED"}
-    assert bpy.ops.cabletwin.results_open() == {"FINISHED"}
-    return bpy.context.scene
+def own_scene(survey, copied):
+    """A scene that shows them, with the run in a folder of the test's own too."""
+    return shown(survey, copied)
 
 
 @pytest.fixture
-def run(copied):
-    return open_run(copied)
+def run(finished):
+    return open_run(finished.folder)
+
+
+def shown(survey, folder):
+    assert bpy.ops.cabletwin.survey_open(filepath=str(survey)) == {"FINISHED"}
+    bpy.context.scene.cabletwin.run.folder = str(folder)
+    assert bpy.ops.cabletwin.results_open() == {"FINISHED"}
+    return bpy.context.scene
 
 
 def drawn(scene, what):
@@ -93,7 +104,8 @@ def test_a_station_added_by_position_is_provisional_as_the_profile_says(scene, r
     assert label.location.y == pytest.approx(PLACE_M)
 
 
-def test_measuring_gives_what_the_command_line_gives_to_the_last_digit(scene, survey, copied, tmp_path):
+def test_measuring_gives_what_the_command_line_gives_to_the_last_digit(own_scene, survey, copied, tmp_path):
+    scene = own_scene
     bpy.ops.cabletwin.measure_station_add(position=PLACE_M)
     joint = (copied / "products" / "all-ring.npz").stat().st_mtime_ns
     assert bpy.ops.cabletwin.measure_run() == {"FINISHED"}
@@ -208,7 +220,8 @@ def test_undo_takes_a_station_back(scene):
     assert drawn(scene, "cabletwin_provisional") == {}
 
 
-def test_everything_is_there_after_saving_and_loading_without_the_run(scene, copied, tmp_path):
+def test_everything_is_there_after_saving_and_loading_without_the_run(own_scene, copied, tmp_path):
+    scene = own_scene
     bpy.ops.cabletwin.measure_station_add(position=PLACE_M)
     scene.cabletwin.measure.colour_by = "MEAN"
     labels = {n: o["cabletwin_label"] for n, o in drawn(scene, "cabletwin_label").items()}

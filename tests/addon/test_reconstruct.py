@@ -9,7 +9,7 @@ import bpy
 import pytest
 
 from tests.addon.conftest import MODULE
-from tests.addon.shown_run import library, objects
+from tests.addon.shown_run import library, named
 
 
 @pytest.fixture
@@ -31,7 +31,7 @@ def test_diameters_are_the_command_lines_to_the_last_digit(scene, finished, tmp_
     ours = json.loads((tmp_path / "run" / "report.json").read_text())
     assert ours["stations"] == finished.report["stations"]
     assert [s.name for s in scene.cabletwin.results.stations] == [s["name"] for s in ours["stations"]]
-    assert len(objects("Mosaic")) == 1
+    assert len(named("Mosaic")) == 1
     assert not job().running
     assert job().fraction == 0.0
 
@@ -43,7 +43,7 @@ def test_a_failure_is_the_pipelines_sentence(scene, tmp_path):
     assert "block2.mp4" in job().failure
     assert job().failure.count("\n") == 0
     assert not job().running
-    assert not objects("Mosaic")
+    assert not named("Mosaic")
 
 
 def test_without_a_run_folder_it_says_which_panel_asks_for_it(scene):

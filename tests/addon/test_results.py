@@ -10,7 +10,7 @@ import pytest
 from bpy_extras.object_utils import world_to_camera_view
 from mathutils import Matrix, Vector
 
-from tests.addon.shown_run import library, objects, reloaded, show
+from tests.addon.shown_run import library, named, objects, reloaded, show
 
 MOST_SECONDS = 10.0
 MANY_POINTS = 2_000_000
@@ -18,7 +18,8 @@ MANY_POINTS = 2_000_000
 
 @pytest.fixture
 def shown(rendered, copied, tmp_path):
-    return show(rendered, copied, tmp_path)
+    show(rendered, copied, tmp_path)
+    return bpy.context.scene.cabletwin
 
 
 @pytest.fixture
@@ -35,15 +36,15 @@ def coordinates(data, attribute="position"):
 
 def test_every_kind_of_thing_has_its_collection(shown, run):
     frames = sum(len(b.frames) for b in run.blocks)
-    assert len(objects("Sparse points")) == 4
-    assert len(library("results.collections").existing(bpy.context.scene, "Cameras").objects) == frames
+    assert len(named("Sparse points")) == 4
+    assert len(named("Cameras")) == frames
     assert set(objects("Block meshes")) == {"Block1", "Block2", "Block3", "Block4"}
-    assert len(objects("Mosaic")) == len(objects("Dense cloud")) == 1
+    assert len(named("Mosaic")) == len(named("Dense cloud")) == 1
 
 
 def test_the_dense_cloud_is_the_files(shown, run):
     cloud = library("pipeline.report.model").ring_cloud(run.ring)
-    (made,) = objects("Dense cloud").values()
+    (made,) = named("Dense cloud").values()
     assert np.allclose(coordinates(made.data), cloud.points, atol=1e-6)
     rgba = np.empty(4 * len(cloud.points), dtype=np.float32)
     made.data.attributes["Col"].data.foreach_get("color_srgb", rgba)
@@ -107,15 +108,15 @@ def test_half_a_run_opens_as_far_as_it_went(rendered, copied, tmp_path):
         (copied / "products" / f"all-{name}.stamp").unlink()
     (copied / "report.json").unlink()
     show(rendered, copied, tmp_path)
-    assert len(objects("Sparse points")) == len(objects("Block meshes")) == 4
-    assert not objects("Mosaic")
+    assert len(named("Sparse points")) == len(objects("Block meshes")) == 4
+    assert not named("Mosaic")
     assert not bpy.context.scene.cabletwin.results.finished
 
 
 def test_a_folder_that_is_no_run_is_refused_and_what_is_shown_stays(shown, tmp_path):
     with pytest.raises(RuntimeError, match="is no run folder"):
         bpy.ops.cabletwin.results_choose(directory=str(tmp_path / "elsewhere"))
-    assert len(objects("Mosaic")) == 1
+    assert len(named("Mosaic")) == 1
 
 
 def test_opening_again_leaves_nothing_behind(shown):
@@ -134,7 +135,7 @@ def test_it_survives_save_and_reload(shown, tmp_path):
     diameters = [s.diameter_mm for s in shown.results.stations]
     again = reloaded(tmp_path / "shown.blend")
     assert [s.diameter_mm for s in again.results.stations] == diameters
-    (mesh,) = objects("Mosaic").values()
+    (mesh,) = named("Mosaic").values()
     assert mesh.data.materials[0].node_tree is not None
     assert any(i.packed_file for i in bpy.data.images)
 

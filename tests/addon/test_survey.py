@@ -7,7 +7,7 @@ import bpy
 import pytest
 
 from pipeline.cable.survey import read_survey
-from tests.addon.shown_run import library, objects, reloaded
+from tests.addon.shown_run import library, named, reloaded
 
 
 @pytest.fixture
@@ -86,7 +86,7 @@ def test_a_new_survey_has_its_cameras_at_equal_angles():
 
 def test_the_sketch_follows_the_angle(opened):
     def place():
-        return objects("Setup")["Block2"].matrix_world.translation
+        return named("Setup")["Block2"].matrix_world.translation
 
     assert tuple(round(v, 6) for v in place()) == (0.0, 0.0, -0.3)
     opened.cabletwin.survey.blocks[1].angle = math.pi
@@ -94,7 +94,7 @@ def test_the_sketch_follows_the_angle(opened):
 
 
 def test_a_sketched_camera_looks_at_the_axis_with_the_travel_to_its_right(opened):
-    camera = objects("Setup")["Block3"].matrix_world.to_3x3()
+    camera = named("Setup")["Block3"].matrix_world.to_3x3()
     assert tuple(round(v, 6) for v in -camera.col[2]) == (1.0, 0.0, 0.0)
     assert tuple(round(v, 6) for v in camera.col[0]) == (0.0, 1.0, 0.0)
 
@@ -122,7 +122,7 @@ def test_it_survives_save_and_reload(opened, tmp_path):
     before = repr(gathered(opened))
     reloaded(tmp_path / "scene.blend")
     assert repr(gathered(bpy.context.scene)) == before
-    assert set(objects("Setup")) >= {"Block1", "Block2", "Block3", "Block4"}
+    assert set(named("Setup")) >= {"Block1", "Block2", "Block3", "Block4"}
 
 
 def test_two_scenes_hold_two_surveys(opened):

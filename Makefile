@@ -11,7 +11,7 @@ export PYTHONHASHSEED ?= 0
 export MPLBACKEND ?= Agg
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test accuracy lint bench extension install-extension test-ui clean
+.PHONY: help setup demo test accuracy lint bench assets extension install-extension test-ui clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 26
@@ -49,6 +49,9 @@ install-extension: .venv/.ready ## build it for a Blender of this machine and in
 
 test-ui: .venv/.ready ## walk the flow in a real Blender's window (BLENDER=blender), pictures in out/ui
 	@$(PY) -m tests.ui --blender "$(or $(BLENDER),blender)"
+
+assets: .venv/.ready ## the asset library of the extension, to build/assets
+	@$(PY) -m blend_assets.build build/assets
 
 clean: ## remove what demo, bench and the checks made; .venv stays
 	rm -rf out build .pytest_cache .mypy_cache .ruff_cache

@@ -14,5 +14,6 @@ From a specification to a survey (``python -m synth render SPEC.toml OUT``):
 
 From surveys to a verdict: ``suite`` and ``suite_*`` (the benchmark: every scenario and seed rendered,
 reconstructed, evaluated, compared with its target), ``gate`` (a few figures between two bounds, for CI).
-``child`` runs programs, ``__main__`` is the command line.
+``child`` runs programs, ``__main__`` is the command line, ``blender`` the same renderer for the extension,
+``apart`` keeps our Blender away from a person's.
 """

@@ -105,7 +105,7 @@ def _origin(layout: bpy.types.UILayout, block: CableTwinBlock) -> None:
         text = f"{text}: {block.division_lambda:.5f} ± {block.lambda_sigma:.5f}"
         column.label(text=text, icon="CHECKMARK", translate=False)
     if not block.lambda_known:
-        column.label(text="Each run estimates lambda from the edges", icon="INFO")
+        column.label(text="Estimated in each run", icon="INFO")
     layout.operator("cabletwin.survey_lens_to_all", icon="DUPLICATE")
 
 

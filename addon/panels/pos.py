@@ -66,7 +66,7 @@ def _matches(layout: bpy.types.UILayout, pos: bpy.types.PropertyGroup, block: Ca
         column.label(text=translated("{} rows match none").format(pos.strangers), translate=False)
     if pos.missing:
         column.label(
-            text=translated("{} frames have no row and must not be chosen").format(pos.missing),
+            text=translated("{} frames have no row").format(pos.missing),
             translate=False,
         )
     layout.template_list("CABLETWIN_UL_pos_rows", "", pos, "rows", pos, "row_index", rows=4)

@@ -78,7 +78,7 @@ class CableTwinSynthesise(bpy.types.PropertyGroup):
         update=_follow_ring,
     )
     frames: bpy.props.IntProperty(
-        name="Frames per camera",
+        name="Frames each",
         description="Frames that each camera takes on its way",
         default=24,
         min=2,
@@ -147,7 +147,7 @@ class CableTwinSynthesise(bpy.types.PropertyGroup):
         **_MILLIMETRES,
     )
     speed_wander_mm: bpy.props.FloatProperty(
-        name="Speed wander (mm)", description="Root mean square deviation from even travel", **_MILLIMETRES
+        name="Wander (mm)", description="Root mean square deviation from even travel", **_MILLIMETRES
     )
     mounting: bpy.props.FloatProperty(
         name="Mounting", description="Standard deviation of each camera's constant angles", **_SMALL_ANGLE
@@ -220,7 +220,7 @@ class CableTwinSynthesise(bpy.types.PropertyGroup):
         name="Sensor noise", description="Photon noise and read-out noise", default=True
     )
     motion_blur_mm: bpy.props.FloatProperty(
-        name="Motion blur (mm)", description="Path of the ring while the shutter is open", **_MILLIMETRES
+        name="Blur (mm)", description="Path of the ring while the shutter is open", **_MILLIMETRES
     )
     readout_share: bpy.props.FloatProperty(
         name="Rolling shutter",

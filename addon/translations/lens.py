@@ -21,7 +21,7 @@ ZH = {
     "From the cable's edges": "由拉索边缘",
     "From a chessboard": "由棋盘格",
     "Estimated": "估计值",
-    "Each run estimates lambda from the edges": "每次重建都会由边缘估计 λ",
+    "Estimated in each run": "每次重建时估计",
     "Frame": "帧",
     "Number of the frame that is shown, from 0": "所显示帧的编号，从 0 起",
     "Frames in the video of the shown block": "当前条带视频的帧数",

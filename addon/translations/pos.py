@@ -26,7 +26,7 @@ ZH = {
     "frame {}": "第 {} 帧",
     "{} rows match a frame": "{} 行与帧匹配",
     "{} rows match none": "{} 行无匹配的帧",
-    "{} frames have no row and must not be chosen": "{} 帧没有对应的行，不可被选用",
+    "{} frames have no row": "{} 帧没有对应的行",
     "Number of the frame in its video": "该帧在视频中的编号",
     "State": "状态",
     "What became of this row": "该行的匹配结果",

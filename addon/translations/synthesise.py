@@ -41,7 +41,7 @@ ZH = {
         "所有随机量的种子：纹理、摆动、安装误差、噪声"
     ),
     "Cameras around the cable, at equal angles": "等角分布于拉索周围的相机数",
-    "Frames per camera": "每台相机帧数",
+    "Frames each": "每台相机帧数",
     "Frames that each camera takes on its way": "每台相机沿途拍摄的帧数",
     "All cameras share one clock and one motion; else each makes a pass of its own": (
         "所有相机共用一个时钟和一次运动；否则各自单独行进一次"
@@ -55,7 +55,7 @@ ZH = {
     "Root mean square of each of the ring's three rotations": "相机环三个转角各自的均方根",
     "Sway (mm)": "摆动 (mm)",
     "Root mean square of the ring's displacements across the cable": "相机环横向位移的均方根",
-    "Speed wander (mm)": "速度漂移 (mm)",
+    "Wander (mm)": "速度漂移 (mm)",
     "Root mean square deviation from even travel": "相对匀速行进的均方根偏差",
     "Mounting": "安装误差",
     "Standard deviation of each camera's constant angles": "各相机固定角误差的标准差",
@@ -93,7 +93,7 @@ ZH = {
     "Factor on the light": "光量系数",
     "Sensor noise": "传感器噪声",
     "Photon noise and read-out noise": "光子噪声与读出噪声",
-    "Motion blur (mm)": "运动模糊 (mm)",
+    "Blur (mm)": "运动模糊 (mm)",
     "Path of the ring while the shutter is open": "快门开启期间相机环的行程",
     "Rolling shutter": "卷帘快门",
     "Time from the first to the last row, by the time from frame to frame": (

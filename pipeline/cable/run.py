@@ -1,8 +1,8 @@
 """The order of the cable pipeline, and no algorithm.
 
 survey -> frames -> each block (lens, pos, match, adjust) -> the ring, where there is one clock (closing,
-joint) -> each block (undistort, dense, surface, texture, crop) -> mosaic -> ring -> measure.  Every arrow is a
-product in the run folder, wired in ``block_stages.py`` and ``ring_stages.py``;
+joint) -> each block (undistort, dense, surface, texture, crop) -> mosaic -> ring -> measure.  Every arrow is
+a product in the run folder, wired in ``block_stages.py`` and ``ring_stages.py``;
 :mod:`pipeline.core.runfolder` tells what is kept and what is made again.
 """
 

@@ -9,10 +9,14 @@ from pathlib import Path
 
 import pytest
 
+from synth.apart import keep_apart
 from tests.command import ROOT, Command, pipeline, synth
 
 RENDERED = "CABLETWIN_TEST_SURVEY"
 """Environment variable: a folder that ``python -m synth render specs/gate/paper.toml`` has filled already."""
+
+# no test may clear the extensions of a person's own Blender
+keep_apart()
 
 # a shell that starts us in the background has Ctrl-C ignored, by us and by every command a test interrupts
 signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -8,7 +8,9 @@ from bpy_extras.io_utils import ExportHelper, ImportHelper
 from pipeline.core.errors import StageError
 
 from ..gather import gather_blocks, survey_path
-from ..results.paths import pos_of, show_path, with_rows
+from ..results import collections
+from ..results.paths import pos_of, remove_path, show_path, with_rows
+from ..results.view import frame
 from .base import Operator
 
 _UNDOABLE = {"REGISTER", "UNDO"}
@@ -44,6 +46,7 @@ class CABLETWIN_OT_pos_import(_BlockOperator, ImportHelper):
         problem = look_at(scene, block.name, bpy.path.abspath(self.filepath))
         block.pos, block.pos_from = bpy.path.abspath(self.filepath), "CSV"
         if problem:
+            remove_path(scene, block.name)  # that of another POS
             self.report({"WARNING"}, problem)
         else:
             show_path(scene, block.name)
@@ -87,6 +90,8 @@ class CABLETWIN_OT_pos_show(_BlockOperator):
                 refused.append(error)
         if len(refused) == len(scene.cabletwin.survey.blocks):
             raise refused[0]
+        context.view_layer.update()  # a new curve's box is wrong until then
+        frame(context, scene, collections.SETUP, collections.PATHS)
         if refused:
             self.report({"WARNING"}, str(refused[0]))
 

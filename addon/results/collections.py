@@ -50,14 +50,17 @@ def emptied(scene: bpy.types.Scene, kind: str) -> bpy.types.Collection:
 
 
 def remove(item: bpy.types.Object) -> None:
-    """Free an object, and its data and materials where nobody else uses them."""
+    """Free an object, and its data, materials and their pictures where nobody else uses them."""
     data = item.data
     bpy.data.objects.remove(item)
     if data is None or data.users:
         return
-    materials = list(getattr(data, "materials", ()))
+    materials = [m for m in getattr(data, "materials", ()) if m is not None]
+    nodes = [n for m in materials if m.node_tree is not None for n in m.node_tree.nodes]
+    pictures = {n.image for n in nodes if n.type == "TEX_IMAGE" and n.image is not None}
     bpy.data.batch_remove([data])
-    bpy.data.batch_remove([m for m in materials if m is not None and not m.users])
+    for unused in (materials, pictures):
+        bpy.data.batch_remove([each for each in unused if not each.users])
 
 
 def view_layer_collection(

@@ -41,13 +41,19 @@ def show_path(scene: bpy.types.Scene, name: str) -> None:
     """
     survey = gather_blocks(scene, name)
     poses, origin = pos_of(survey).poses, "CSV" if survey.blocks[0].pos else "TRAVEL"
+    remove_path(scene, name)
     target = collections.collection(scene, collections.PATHS)
-    for old in [item for item in target.objects if item.get("cabletwin_block") == name]:
-        collections.remove(old)
     made = bpy.data.objects.new(f"{name} path", _curve(poses, origin, AXIS_SHARE * survey.robot.standoff_m))
     made["cabletwin_block"], made["cabletwin_pos"] = name, origin
     made.hide_select = True
     target.objects.link(made)
+
+
+def remove_path(scene: bpy.types.Scene, name: str) -> None:
+    """Take a block's path away, where there is one."""
+    target = collections.existing(scene, collections.PATHS)
+    for old in [i for i in target.objects if i.get("cabletwin_block") == name] if target else ():
+        collections.remove(old)
 
 
 def pos_of(survey: "Survey", frames: FrameSequence | None = None) -> PosPriors:
@@ -100,7 +106,7 @@ def _curve(poses: Poses, origin: str, axis_m: float) -> bpy.types.Curve:
     """The path, and a line along each axis of the camera: x right, y down, z forward."""
     data = bpy.data.curves.new("Camera path", "CURVE")
     data.dimensions = "3D"
-    data.bevel_depth, data.bevel_resolution = axis_m / 40, 1
+    data.bevel_depth, data.bevel_resolution = axis_m / 16, 1
     for key in (origin, "x", "y", "z"):
         data.materials.append(_material(key))
     centres = poses.centres

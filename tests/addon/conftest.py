@@ -51,14 +51,12 @@ class Installed:
         folder: where it lies.
         package: the zip it came from.
         before: what was in Blender before it was installed.
-        loaded: names of all modules right after it was installed and enabled.
     """
 
     module: ModuleType
     folder: Path
     package: Path
     before: Traces
-    loaded: frozenset[str]
 
 
 @pytest.fixture(scope="session")
@@ -99,7 +97,7 @@ def installed(package):
     )
     assert done == {"FINISHED"}
     module = sys.modules[MODULE]
-    return Installed(module, Path(module.__file__).parent, package, before, frozenset(sys.modules))
+    return Installed(module, Path(module.__file__).parent, package, before)
 
 
 @pytest.fixture(scope="session")

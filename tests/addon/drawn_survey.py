@@ -2,9 +2,6 @@
 
 import cv2
 
-from tests.cable.outline_pictures import picture_of_cable
-from tests.cable.test_lens import TOUCH, bent
-
 FRAMES = 9
 SURVEY = """
 format = 1
@@ -35,6 +32,10 @@ focal_px = 720.0
 
 def draw(folder):
     """A video and a folder of images with their survey.toml; gives its path."""
+    # not before the extension is enabled: a test looks at what that loads
+    from tests.cable.outline_pictures import picture_of_cable
+    from tests.cable.test_lens import TOUCH, bent
+
     (folder / "block2").mkdir(parents=True)
     video = cv2.VideoWriter(str(folder / "block1.avi"), cv2.VideoWriter_fourcc(*"FFV1"), 10, (960, 600))
     for k in range(FRAMES):

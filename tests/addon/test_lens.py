@@ -6,13 +6,12 @@ import pytest
 
 from tests.addon.drawn_survey import FRAMES, draw
 from tests.addon.shown_run import library, reloaded
-from tests.cable.test_chessboard import POSES, draw_board
 
 import bpy  # isort: skip
 
 
 @pytest.fixture(scope="session")
-def survey_file(tmp_path_factory):
+def survey_file(cabletwin, tmp_path_factory):
     return draw(tmp_path_factory.mktemp("drawn") / "survey")
 
 
@@ -162,6 +161,8 @@ def test_a_video_that_cannot_be_read_fails_with_the_pipelines_sentence(state, tm
 
 
 def test_a_chessboard_gives_a_calibrated_lens(state, tmp_path):
+    from tests.cable.test_chessboard import POSES, draw_board
+
     with pytest.raises(RuntimeError, match="no pictures of a chessboard are chosen"):
         bpy.ops.cabletwin.lens_chessboard()
     for i, (turn, shift) in enumerate(POSES):

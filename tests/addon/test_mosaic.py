@@ -46,9 +46,10 @@ def pick(first, second, azimuth_deg, y_m, aside_m=0.0):
     return bpy.ops.cabletwin.mosaic_pick(block_a=first, point_a=a.point, block_b=second, point_b=b.point)
 
 
-def pick_ring(aside_m=0.0):
-    for k in range(4):
-        assert pick(NAMES[k], NAMES[(k + 1) % 4], 45 + 90 * k, 0.2, aside_m) == {"FINISHED"}
+def pick_ring(*aside_m):
+    """A pair for every two neighbours, the partner aside by so much along the cable."""
+    for k, aside in enumerate(aside_m or (0.0,) * 4):
+        assert pick(NAMES[k], NAMES[(k + 1) % 4], 45 + 90 * k, 0.2, aside) == {"FINISHED"}
 
 
 def places():
@@ -70,6 +71,14 @@ def test_a_line_past_the_cable_meets_nothing(state):
     origin, direction = line(0, 0.2)
     past = origin + Vector((0, 0, 0.2))
     assert picking.cast(context.scene, context.view_layer, past, direction) is None
+
+
+def test_a_line_from_far_off_meets_the_same_point(state):
+    picking, context = library("results.picking"), bpy.context
+    near = hit(0, 0.2, "Block1").point.copy()
+    origin, direction = line(0, 0.2, standoff_m=picking.NEAR_M)
+    far = picking.cast(context.scene, context.view_layer, origin, direction, ["Block1"])
+    assert (far.point - near).length < 1e-5
 
 
 def test_hidden_blocks_are_not_met(state):
@@ -107,7 +116,7 @@ def test_one_block_twice_is_refused(state):
 
 
 def test_the_fit_moves_the_blocks_to_where_the_library_puts_them(state):
-    pick_ring(aside_m=0.001)
+    pick_ring(0.001, -0.001, 0.001, -0.001)
     before = places()
     assert bpy.ops.cabletwin.mosaic_fit() == {"FINISHED"}
     joining, pairs = library("pipeline.joining"), library("hand_pairs").gather_pairs(state.mosaic, NAMES)
@@ -124,6 +133,12 @@ def test_the_fit_moves_the_blocks_to_where_the_library_puts_them(state):
     # cameras and clouds stay with their blocks
     cloud = objects("Sparse points")["Block3"]
     np.testing.assert_allclose(np.array(cloud.matrix_world), places()["Block3"], atol=1e-5)
+
+
+def test_marks_that_contradict_each_other_around_the_ring_show_what_is_left(state):
+    pick_ring(0.001, 0.001, 0.001, 0.001)
+    assert bpy.ops.cabletwin.mosaic_fit() == {"FINISHED"}
+    assert sum(p.residual_mm for p in state.mosaic.pairs) == pytest.approx(4, abs=0.3)
 
 
 def test_without_pairs_the_fit_is_refused_in_the_pipelines_words(state):
@@ -201,7 +216,7 @@ def test_undo_takes_back_one_pair_at_a_time(state):
 
 
 def test_pairs_and_fit_survive_saving(state, tmp_path):
-    pick_ring(aside_m=0.001)
+    pick_ring(0.001, -0.001, 0.001, -0.001)
     bpy.ops.cabletwin.mosaic_fit()
     points = [tuple(p.point_b) for p in state.mosaic.pairs]
     fitted = places()
@@ -235,7 +250,7 @@ def test_blocks_that_lie_opposite_have_no_seam(state):
 
 def test_apply_joins_as_the_command_line_does_with_the_same_file(state, copied, tmp_path):
     moved(state, copied, tmp_path)
-    pick_ring(aside_m=0.0005)
+    pick_ring(0.0005, 0.0005, 0.0005, -0.001)
     bpy.ops.cabletwin.mosaic_fit()
     fitted = places()
     points = [tuple(p.point_a) for p in state.mosaic.pairs]

@@ -14,7 +14,7 @@ HEADER = "name,x,y,z,pitch,yaw,roll"
 
 
 @pytest.fixture(scope="session")
-def survey_file(tmp_path_factory):
+def survey_file(cabletwin, tmp_path_factory):
     return draw(tmp_path_factory.mktemp("drawn") / "survey")
 
 
@@ -102,6 +102,7 @@ def test_an_imported_file_is_the_blocks_and_its_path_is_as_the_pipeline_reads_it
 
 
 def test_rows_without_a_frame_are_listed_and_the_pipelines_refusal_is_told(state, tmp_path):
+    bpy.ops.cabletwin.pos_show()
     state.survey.block_index = 1
     rows = [row(0, "img0.png"), row(1, "img1"), row(2, "window.png"), row(3, "img1.png")]
     file = write(tmp_path / "pos.csv", rows)
@@ -117,6 +118,7 @@ def test_rows_without_a_frame_are_listed_and_the_pipelines_refusal_is_told(state
     assert found[4:] == [("–", k, "NO_ROW") for k in range(2, FRAMES)]
     assert (pos.block, pos.matched, pos.strangers, pos.missing) == ("Block2", 2, 2, FRAMES - 2)
     assert "line 4 names window.png, which is no frame of Block2" in pos.problem
+    assert list(objects("Camera paths")) == ["Block1"]
     write(tmp_path / "pos.csv", rows[:2])
     assert bpy.ops.cabletwin.pos_check() == {"FINISHED"}
     assert (pos.matched, pos.strangers, pos.problem) == (2, 0, "")

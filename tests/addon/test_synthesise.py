@@ -226,3 +226,13 @@ def test_the_estimate_grows_with_frames_and_shutter(scene, cable, settings):
     assert 1.6 * plain_s < seconds(scene) < 2.1 * plain_s
     settings.motion_blur_mm, settings.readout_share = 1.0, 0.2
     assert seconds(scene) > 8 * plain_s
+
+
+def test_rendering_leaves_the_packages_of_this_blender_alone(cabletwin, scene, cable, settings, tmp_path):
+    wheels = room("library").library_path()[1]
+    before = sorted(path.name for path in wheels.iterdir())
+    assert "cv2" in before
+    thumbnails(cable, settings, tmp_path)
+    settings.cameras, settings.frames = 1, 2
+    assert bpy.ops.cabletwin.synthesise_render() == {"FINISHED"}
+    assert sorted(path.name for path in wheels.iterdir()) == before

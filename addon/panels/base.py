@@ -2,8 +2,8 @@
 
 import bpy
 
-LINE = 44
-"""Characters of a wrapped line in a sidebar of usual width."""
+LETTER_PX, MARGIN_PX = 6.6, 50
+"""Mean width of a letter, and what a box and an icon take of the sidebar, at scale 1."""
 
 
 class Panel(bpy.types.Panel):
@@ -50,13 +50,15 @@ def sentence(layout: bpy.types.UILayout, text: str, icon: str = "NONE") -> None:
     """A sentence over as many lines as it needs."""
     column = layout.column(align=True)
     column.scale_y = 0.8
-    for number, line in enumerate(wrapped(text)):
+    scale = bpy.context.preferences.system.ui_scale
+    letters = int((bpy.context.region.width / scale - MARGIN_PX) / LETTER_PX)
+    for number, line in enumerate(wrapped(text, max(letters, 20))):
         column.label(
             text=line, icon=icon if number == 0 else "BLANK1" if icon != "NONE" else "NONE", translate=False
         )
 
 
-def wrapped(text: str, width: int = LINE) -> list[str]:
+def wrapped(text: str, width: int) -> list[str]:
     """Lines of at most ``width`` half-width characters; a Chinese one counts as two and may end a line."""
     lines, line, used = [], "", 0
     for word in _pieces(text):

@@ -1,8 +1,6 @@
 """The area *Crop*."""
 
 ZH = {
-    "Crop": "裁剪",
-    "Angle": "角度",
     "Largest angle between the line of sight and the surface's normal": "视线与表面法线之间允许的最大夹角",
     "Agreement": "一致性",
     "Smallest agreement of the frames": "各帧影像之间的最低一致性",
@@ -12,7 +10,6 @@ ZH = {
     "End at": "终点",
     "Cut what lies before a station": "裁去某一位置之前的部分",
     "Cut what lies behind a station": "裁去某一位置之后的部分",
-    "Along the axis from the first frame": "沿轴线从第一帧算起",
     "Stays": "保留",
     "Share of the surface that stays": "保留的表面比例",
     "What is cut is shown on the uncropped blocks": "在未裁剪的条带上显示将被裁去的部分",

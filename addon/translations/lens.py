@@ -48,7 +48,7 @@ ZH = {
     ),
     "Lambda from": "λ 来源",
     "Where lambda came from": "λ 的来源",
-    "By hand": "手工",
+    "By hand": "手动",
     "Typed or read from the survey file": "手工输入或读自项目文件",
     "The cable's edges": "拉索边缘",
     "Estimated from this camera's own video": "由该相机自己的视频估计",

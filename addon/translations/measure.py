@@ -1,7 +1,6 @@
 """The area *Measure*."""
 
 ZH = {
-    "Measure": "量测",
     "Nothing is measured yet": "尚未量测",
     "Add": "添加",
     "Remove": "移除",
@@ -25,7 +24,6 @@ ZH = {
     "How much larger than true the section's deviation from its mean circle is drawn": (
         "截面相对其平均圆的偏差在绘制时的放大倍数"
     ),
-    "Surface": "表面",
     "What the colour of the surface shows": "表面颜色所表示的内容",
     "The surface as the cameras saw it": "相机所见的表面",
     "Deviation from mean": "相对平均值的偏差",

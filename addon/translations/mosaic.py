@@ -16,7 +16,6 @@ ZH = {
     "Join": "拼接方式",
     "Where the corresponding points come from": "同名点的来源",
     "Found in the blocks' pictures": "从各条带的影像中自动匹配",
-    "By hand": "手动",
     "The pairs below; the first of each two blocks is held together": (
         "采用下面的点对；每两个条带的第一对点保持重合"
     ),

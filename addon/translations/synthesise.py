@@ -115,7 +115,6 @@ ZH = {
     "Travel error (%)": "行程误差 (%)",
     "The stated travel is off by this much": "声明的行程偏差",
     "Margin": "余量",
-    "Diameter (mm)": "直径 (mm)",
     "Ovality (mm)": "椭圆度 (mm)",
     "Ovality angle": "椭圆方向",
     "Own diameters": "各测点直径",

@@ -98,13 +98,18 @@ def shown(path):
                 yield from items(node.value)
 
 
-def catalogue():
+def areas():
+    """Area to its English and Chinese texts."""
     found = {}
     for path in sorted((ADDON / "translations").glob("*.py")):
         for node in ast.parse(path.read_text(encoding="utf-8")).body:
             if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "ZH":
-                found |= ast.literal_eval(node.value)
+                found[path.stem] = ast.literal_eval(node.value)
     return found
+
+
+def catalogue():
+    return {english: chinese for area in areas().values() for english, chinese in area.items()}
 
 
 def needs_words(text):
@@ -120,6 +125,11 @@ def test_every_text_is_there_in_chinese(path):
 def test_no_translation_is_left_over():
     used = {text for path in sources() for text in shown(path)}
     assert sorted(set(catalogue()) - used) == []
+
+
+def test_a_text_is_translated_in_one_place():
+    everywhere = [english for area in areas().values() for english in area]
+    assert sorted({e for e in everywhere if everywhere.count(e) > 1}) == []
 
 
 def test_placeholders_are_the_same_in_both_languages():

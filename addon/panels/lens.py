@@ -90,11 +90,15 @@ class CABLETWIN_PT_lens_board(Panel):
 
 
 def _focal(column: bpy.types.UILayout, block: CableTwinBlock) -> None:
+    column.prop(block, "focal_in")
     if block.focal_in == "PX":
         column.prop(block, "focal_px")
     else:
         column.prop(block, "focal_mm")
         column.prop(block, "sensor_width_mm")
+    column.prop(block, "use_principal_point")
+    if block.use_principal_point:
+        column.prop(block, "principal_point_px", text="x, y")
 
 
 def _origin(layout: bpy.types.UILayout, block: CableTwinBlock) -> None:

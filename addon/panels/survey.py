@@ -84,39 +84,6 @@ class CABLETWIN_PT_survey_blocks(Panel):
             _block(self.layout, block)
 
 
-class CABLETWIN_PT_survey_lens(Panel):
-    """The chosen camera's lens."""
-
-    bl_label = "Lens of the block"
-    bl_parent_id = "CABLETWIN_PT_survey"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """A camera must be chosen."""
-        return context.scene.cabletwin.survey.block() is not None
-
-    def draw(self, context: bpy.types.Context) -> None:
-        """Focal length, principal point, distortion."""
-        block = context.scene.cabletwin.survey.block()
-        column = aligned(self.layout)
-        column.prop(block, "focal_in")
-        if block.focal_in == "PX":
-            column.prop(block, "focal_px")
-        else:
-            column.prop(block, "focal_mm")
-            column.prop(block, "sensor_width_mm")
-        column.prop(block, "use_principal_point")
-        if block.use_principal_point:
-            column.prop(block, "principal_point_px", text="x, y")
-        column.prop(block, "lambda_known")
-        if block.lambda_known:
-            column.prop(block, "division_lambda")
-            column.prop(block, "lambda_radius")
-        column.prop(block, "calibrated")
-        self.layout.operator("cabletwin.survey_lens_to_all", icon="DUPLICATE")
-
-
 class CABLETWIN_PT_survey_stations(Panel):
     """Stations."""
 
@@ -154,6 +121,5 @@ classes = (
     CABLETWIN_UL_stations,
     CABLETWIN_PT_survey,
     CABLETWIN_PT_survey_blocks,
-    CABLETWIN_PT_survey_lens,
     CABLETWIN_PT_survey_stations,
 )

@@ -39,7 +39,7 @@ def show_run(scene: bpy.types.Scene, folder: Path, most_points: int) -> OpenedRu
     show_measurement(scene, run)
     _hide(scene, collections.SETUP)
     if run.ring is not None:
-        for kind in (collections.BLOCKS, collections.SPARSE, collections.DENSE):
+        for kind in (collections.CAMERAS, collections.BLOCKS, collections.SPARSE, collections.DENSE):
             _hide(scene, kind)
     return run
 

@@ -88,6 +88,8 @@ def _views(context: bpy.types.Context, scene: bpy.types.Scene) -> Iterator[bpy.t
 
 def _corners(scene: bpy.types.Scene, kinds: tuple[str, ...]) -> np.ndarray:
     """Corners of the objects' boxes in the world, (n, 3)."""
+    for view_layer in scene.view_layers:
+        view_layer.update()  # boxes and places of what was just made are not there before
     found = [collections.existing(scene, kind) for kind in kinds]
     items = [item for each in found if each is not None for item in each.objects]
     return np.array([item.matrix_world @ Vector(c) for item in items for c in item.bound_box]).reshape(-1, 3)

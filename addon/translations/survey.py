@@ -3,7 +3,6 @@
 ZH = {
     "Survey": "测量项目",
     "Blocks": "相机条带",
-    "Lens of the block": "条带的镜头",
     "Stations": "测站",
     "New": "新建",
     "Open": "打开",

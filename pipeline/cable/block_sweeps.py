@@ -21,7 +21,7 @@ from pipeline.core.fits.cylinder import Cylinder, fit_cylinder
 from pipeline.core.vocabulary import FrameSequence
 
 COARSE_WINDOW = 9
-FINE_BASELINE_POWER = 2.0
+MEASURING_BASELINE_POWER = 2.0
 """Short baselines help to find the surface and blur it when it is measured: weights as in least squares."""
 MIDDLE, MIDDLE_WINDOW = 2, 3
 """Cells of the second sweep, in fine cells, and its window: 2 mm at 0.34 mm a cell, narrower than a rib."""
@@ -65,7 +65,7 @@ class BlockSweeps:
         start_m = smooth_start(found, coarse, middle, radius_m)
         found = self._sweep(MIDDLE, start_m, MIDDLE_STEPS, MIDDLE_WINDOW, sharp=True)
         start_m = edge_keeping_start(found, middle, fine, radius_m)
-        found = self._sweep(1, start_m, FINE_STEPS, options.window, FINE_BASELINE_POWER)
+        found = self._sweep(1, start_m, FINE_STEPS, options.window, measures=True)
         stands = broad.trusted(found, options.least_score, options.consistency_mm)
         window_mm = options.window * self._cell_mm
         if stands.mean() < options.broad_below:
@@ -83,7 +83,7 @@ class BlockSweeps:
             self._level(grid),
             steps,
             broad.WINDOW,
-            FINE_BASELINE_POWER,
+            measures=True,
             detail_cells=broad.DETAIL_CELLS,
         )
         found = broad.filled(fine, self._grids[1], stands, wide, grid)
@@ -97,12 +97,15 @@ class BlockSweeps:
         start_m: Image,
         steps: int,
         window: int,
-        power: float = 0.0,
         *,
         sharp: bool = False,
+        measures: bool = False,
         detail_cells: float | None = None,
     ) -> SweepResult:
-        """One sweep, ``steps`` candidates on either side of the start; ``sharp`` as if cells were fine."""
+        """One sweep, ``steps`` candidates on either side of the start; ``sharp`` as if cells were fine.
+
+        A sweep that only searches leaves relief in its place; one that ``measures`` leaves the windows theirs.
+        """
         look = 1 if sharp else size
         cell_px = self._cell_mm * look / self._ground_mm
         detail = self._options.detail_cells if detail_cells is None else detail_cells
@@ -114,7 +117,8 @@ class BlockSweeps:
                 window=window,
                 blur_px=cell_px / 2 if cell_px > SHARP_PX else 0.0,
                 detail_px=detail * cell_px,
-                baseline_power=power,
+                baseline_power=MEASURING_BASELINE_POWER if measures else 0.0,
+                along_sight=measures,
             )
         )
 

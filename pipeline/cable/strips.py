@@ -31,6 +31,7 @@ class SweepPass:
         blur_px: frames are blurred so much.
         detail_px: and their brightness is counted from surroundings so wide.
         baseline_power: frames count with their baseline to this power.
+        along_sight: candidates lie on the lines of sight of the frame that stands nearest.
     """
 
     grid: SweepGrid
@@ -40,6 +41,7 @@ class SweepPass:
     blur_px: float
     detail_px: float
     baseline_power: float
+    along_sight: bool
 
 
 class Strips:
@@ -92,6 +94,7 @@ class Strips:
                 wanted.offsets_m,
                 wanted.window,
                 wanted.baseline_power,
+                along_sight=wanted.along_sight,
             )
             for name, values in whole.items():
                 values[rows] = getattr(found, name)[rows - first]

@@ -5,6 +5,10 @@ quality and two half-results, from the frames ahead and from those behind, that 
 are warped from each frame for each candidate radius, compared by box-filtered normalised cross-correlation
 with the frame that stands nearest, and the peak is refined by a parabola (after Collins, "A space-sweep
 approach to true multi-image matching", CVPR 1996, with cylinders for planes).
+
+To search, cells stay in their place on the surface.  To measure, they go along the reference frame's lines of
+sight, and its windows hold the same at every candidate (paper, section 2.4): what a window holds must not
+depend on the radius that is asked for (``docs/accuracy.md``, "The window of a sweep").
 """
 
 from collections import OrderedDict
@@ -20,6 +24,8 @@ from pipeline.core.division import coefficient
 from pipeline.core.vocabulary import Array, Lens, Poses
 
 Image = NDArray[np.floating]
+LEAST_RISE = 0.1
+"""Cosine of the flattest line of sight that is followed as it is: flatter ones see the outline."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,6 +107,8 @@ def sweep_strip(
     offsets_m: Array,
     window: int,
     baseline_power: float = 0.0,
+    *,
+    along_sight: bool = False,
 ) -> SweepResult:
     """Sweep one strip of cells.
 
@@ -115,11 +123,14 @@ def sweep_strip(
         offsets_m: (k,) evenly spaced candidates to add.
         window: side of the comparison window in cells, odd.
         baseline_power: agreements are averaged with the baselines to this power as weights.
+        along_sight: a cell's candidates lie on the reference's line of sight through it, not above it; the
+            radius is then that of a place as far aside as the start is wrong, times the sight's tangent.
     """
     reach_m = float(np.abs(offsets_m).max())
+    aside = _aside(poses.centres[reference], grid, start_m) if along_sight else None
 
     def path(frame: int) -> _Path:
-        return _Path(SurfaceView(lens, poses, frame, grid), start_m, reach_m)
+        return _Path(SurfaceView(lens, poses, frame, grid), start_m, reach_m, aside)
 
     centre, paths = path(reference), [[path(f) for f in side] for side in (ahead, behind)]
     baselines_m = np.linalg.norm(poses.centres - poses.centres[reference], axis=1)
@@ -127,14 +138,42 @@ def sweep_strip(
     visible = [[p.visible(window) * np.float32(weights[p.frame]) for p in side] for side in paths]
     seen = centre.visible(window)
     volumes = np.zeros((2, len(offsets_m), *start_m.shape), dtype=np.float32)
+    template = _Template(centre.sample(frames[reference], 0.0), window)
     for index, offset in enumerate(offsets_m):
-        template = _Template(centre.sample(frames[reference], offset), window)
+        if not along_sight:
+            template = _Template(centre.sample(frames[reference], offset), window)
         for side in (0, 1):
             for other, weight in zip(paths[side], visible[side], strict=True):
                 sampled = other.sample(frames[other.frame], offset)
                 volumes[side, index] += weight * template.correlate(sampled)
     counts = np.array([np.sum(side, axis=0) if side else np.zeros_like(start_m) for side in visible]) * seen
-    return _peaks(volumes, counts, start_m, offsets_m)
+    found = _peaks(volumes, counts, start_m, offsets_m)
+    return found if aside is None else _outward(found, grid, start_m, aside)
+
+
+def _aside(centre: Array, grid: SweepGrid, start_m: Image) -> Array:
+    """How far a line of sight goes sideways on a metre outwards, (n, m, 3), in the cable frame."""
+    outward = outward_of(grid)
+    sight = centre - grid.axis.at(grid.y_m)[:, None] - start_m[..., None] * outward
+    rise = np.sum(sight * outward, axis=-1, keepdims=True)
+    least = LEAST_RISE * np.linalg.norm(sight, axis=-1, keepdims=True)
+    return np.asarray(sight / np.maximum(rise, least) - outward)
+
+
+def _outward(found: SweepResult, grid: SweepGrid, start_m: Image, aside: Array) -> SweepResult:
+    """The radius where the lines of sight have got to: they leave the cell's own direction as they rise."""
+    tangent = np.stack([-np.sin(grid.azimuth), np.zeros_like(grid.azimuth), -np.cos(grid.azimuth)], axis=1)
+    around = np.sum(aside * tangent, axis=-1)
+
+    def radius(found_m: Image) -> Image:
+        return np.hypot(found_m, (found_m - start_m) * around).astype(np.float32)
+
+    return SweepResult(
+        radius_m=radius(found.radius_m),
+        score=found.score,
+        radius_ahead_m=radius(found.radius_ahead_m),
+        radius_behind_m=radius(found.radius_behind_m),
+    )
 
 
 def _peaks(volumes: Image, counts: Image, start_m: Image, offsets_m: Array) -> SweepResult:
@@ -166,20 +205,38 @@ def _peak(scores: Image, start_m: Image, offsets_m: Array) -> tuple[Image, Image
     )
 
 
+def outward_of(grid: SweepGrid) -> Array:
+    """Unit vectors from the axis through the cells of a row, (m, 3), in the cable frame."""
+    return np.stack([np.cos(grid.azimuth), np.zeros_like(grid.azimuth), -np.sin(grid.azimuth)], axis=1)
+
+
 class SurfaceView:
     """Looks up a grid's cells in one frame, for any radius."""
 
     def __init__(self, lens: Lens, poses: Poses, frame: int, grid: SweepGrid) -> None:
         rotation, translation = poses.rotations[frame], poses.translations[frame]
-        outward = np.stack([np.cos(grid.azimuth), np.zeros_like(grid.azimuth), -np.sin(grid.azimuth)], axis=1)
         self.frame = frame
         self._base = (grid.axis.at(grid.y_m) @ rotation.T + translation).T.astype(np.float32)[:, :, None]
-        self._outward = (outward @ rotation.T).T.astype(np.float32)[:, None, :]
+        self._outward = (outward_of(grid) @ rotation.T).T.astype(np.float32)[:, None, :]
+        self._rotation = rotation
         self._lens, self._k = lens, np.float32(coefficient(lens))
 
-    def pixels(self, radius_m: Image) -> tuple[Image, Image]:
-        """Where the cells lie in the frame, OpenCV's origin (centre of the first pixel)."""
+    def turned(self, vectors: Array) -> Array:
+        """Vectors (n, m, 3) of the cable frame in this camera's, (3, n, m)."""
+        return np.moveaxis(vectors @ self._rotation.T, -1, 0).astype(np.float32)
+
+    def pixels(self, radius_m: Image, beside: Array | None = None) -> tuple[Image, Image]:
+        """Where the cells lie in the frame, OpenCV's origin (centre of the first pixel).
+
+        Args:
+            radius_m: (n, m) of every cell.
+            beside: (3, n, m) to be added to the cells, metres, in the camera frame.
+        """
         u, v, z = (base + radius_m * out for base, out in zip(self._base, self._outward, strict=True))
+        if beside is not None:
+            u += beside[0]
+            v += beside[1]
+            z += beside[2]
         np.divide(np.float32(1), z, out=z)
         u *= z
         v *= z
@@ -218,18 +275,19 @@ class _Path:
     """The way of every cell through one frame as its radius changes: a parabola through three places.
 
     Exact projections cost more than all the rest of the sweep; over 5 mm at 245 mm the parabola is off by
-    less than 0.01 px, over 1 mm by less than 0.0001 px.
+    less than 0.01 px, over 1 mm by less than 0.0001 px.  ``aside`` takes the cells sideways as they rise.
     """
 
-    def __init__(self, view: SurfaceView, start_m: Image, reach_m: float) -> None:
+    def __init__(self, view: SurfaceView, start_m: Image, reach_m: float, aside: Array | None) -> None:
         self.frame = view.frame
         self._view, reach = view, np.float32(reach_m)
         self._start = view.pixels(start_m)
+        beside = None if aside is None else reach * view.turned(aside)
+        below = view.pixels(start_m - reach, None if beside is None else -beside)
+        above = view.pixels(start_m + reach, beside)
         self._terms = [
             (here, (after - before) / (2 * reach), (after + before - 2 * here) / (2 * reach**2))
-            for before, here, after in zip(
-                view.pixels(start_m - reach), self._start, view.pixels(start_m + reach), strict=True
-            )
+            for before, here, after in zip(below, self._start, above, strict=True)
         ]
 
     def visible(self, window: int) -> Image:

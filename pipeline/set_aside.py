@@ -38,6 +38,8 @@ def set_aside(run_folder: Path) -> None:
         try:
             (run_folder / OUTDATED).mkdir(exist_ok=True)
             os.replace(file, run_folder / OUTDATED / file.name)
+        except FileNotFoundError:
+            continue  # blocks are made side by side: another one was quicker
         except OSError as error:
             raise unwritable(file, error, "report") from error
 

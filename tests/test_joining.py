@@ -1,5 +1,6 @@
 """Blocks of an opened run are joined by hand as the stages do it, and a ring that gapes is closed."""
 
+from dataclasses import fields, replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -24,29 +25,25 @@ def joined_blocks():
 @pytest.fixture(scope="module")
 def run(joined_blocks):
     """The run that these blocks would be opened from; what joining does not look at is left out."""
-    return OpenedRun(
-        folder=Path("run"),
-        options=SimpleNamespace(mosaic=MosaicOptions()),
-        blocks=tuple(opened(b, c) for b, c in zip(*joined_blocks, strict=True)),
-        together=None,
-        mosaic=None,
-        ring=None,
-        measurement=None,
-        report=None,
-    )
+    known = {
+        "folder": Path("run"),
+        "options": SimpleNamespace(mosaic=MosaicOptions()),
+        "blocks": tuple(opened(b, c) for b, c in zip(*joined_blocks, strict=True)),
+    }
+    return OpenedRun(**{**dict.fromkeys(f.name for f in fields(OpenedRun)), **known})
 
 
 def opened(block, crop):
     datum = SimpleNamespace(datum_origin=block.datum_origin, datum_information=block.datum_information)
-    return OpenedBlock(
-        frames=SimpleNamespace(block=block.name),
-        lens=None,
-        orientation=datum,
-        surface=block.surface,
-        picture=block.picture,
-        crop=crop,
-        cable_from_block=np.eye(4),
-    )
+    known = {
+        "frames": SimpleNamespace(block=block.name),
+        "orientation": datum,
+        "surface": block.surface,
+        "picture": block.picture,
+        "crop": crop,
+        "cable_from_block": np.eye(4),
+    }
+    return OpenedBlock(**{**dict.fromkeys(f.name for f in fields(OpenedBlock)), **known})
 
 
 def on_surface(block, azimuth_deg, y_m):
@@ -112,6 +109,6 @@ def test_no_pairs_are_refused(run):
 
 
 def test_a_block_without_its_crop_is_refused(run, pairs):
-    bare = OpenedRun(**{**vars(run), "blocks": (OpenedBlock(**{**vars(run.blocks[0]), "crop": None}),)})
+    bare = replace(run, blocks=(replace(run.blocks[0], crop=None),))
     with pytest.raises(StageError, match="Block0 is not cropped yet; run the reconstruction first"):
         join_run(bare, pairs)

@@ -1,9 +1,11 @@
 """Files of an earlier run never pass for the result of a run that was refused."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import pytest
 
 from pipeline.core.errors import StageError
-from pipeline.set_aside import OPENED_FILES, drop_set_aside, none_if_refused, set_aside
+from pipeline.set_aside import OPENED_FILES, OUTDATED, drop_set_aside, none_if_refused, set_aside
 from tests.bad_input import cylinder
 from tests.command import pipeline
 
@@ -87,3 +89,14 @@ def test_a_run_that_makes_anything_again_sets_aside_before_it_begins(run, tmp_pa
     assert pipeline("run", toml, "--out", run, "--events", "none", "--only", "frames").code == 0
     assert standing(run / "outdated") == sorted(OPENED_FILES)
     assert standing(run) == ["blocks", "options.json", "outdated", "products"]
+
+
+def test_blocks_that_are_made_side_by_side_may_set_aside_at_once(tmp_path):
+    (tmp_path / "products").mkdir()
+    for _ in range(60):
+        for name in OPENED_FILES:
+            (tmp_path / name).write_text(name)
+        with ThreadPoolExecutor(8) as workers:
+            for done in [workers.submit(set_aside, tmp_path) for _ in range(8)]:
+                done.result()
+        assert all((tmp_path / OUTDATED / name).read_text() == name for name in OPENED_FILES)

@@ -38,6 +38,7 @@ def show_run(scene: bpy.types.Scene, folder: Path, most_points: int) -> OpenedRu
     _show_mosaic(scene, run, most_points)
     show_measurement(scene, run)
     _hide(scene, collections.SETUP)
+    _hide(scene, collections.PATHS)
     if run.ring is not None:
         for kind in (collections.CAMERAS, collections.BLOCKS, collections.SPARSE, collections.DENSE):
             _hide(scene, kind)

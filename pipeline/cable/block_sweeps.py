@@ -104,7 +104,7 @@ class BlockSweeps:
     ) -> SweepResult:
         """One sweep, ``steps`` candidates on either side of the start; ``sharp`` as if cells were fine.
 
-        A sweep that only searches leaves relief in its place; one that ``measures`` leaves the windows theirs.
+        A sweep that only searches leaves relief in its place; one that ``measures`` keeps what windows hold.
         """
         look = 1 if sharp else size
         cell_px = self._cell_mm * look / self._ground_mm

@@ -11,6 +11,7 @@ from mathutils import Matrix, Vector
 from pipeline.core.errors import StageError
 
 from . import collections
+from .crop_preview import end_preview
 from .picking import block_objects
 
 if TYPE_CHECKING:
@@ -42,7 +43,8 @@ def place_blocks(scene: bpy.types.Scene, names: Iterable[str], cable_from_block:
 
 
 def show_blocks(scene: bpy.types.Scene) -> None:
-    """Let the block meshes be seen, and nothing over them."""
+    """Let the block meshes be seen, and nothing over them; a preview of the crop ends."""
+    end_preview(scene)
     for kind, hidden in ((collections.BLOCKS, False), *((k, True) for k in COVERING)):
         wanted = collections.existing(scene, kind)
         for view_layer in scene.view_layers:

@@ -53,7 +53,8 @@ class CABLETWIN_OT_measure_station_add(Operator):
         return True
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Wait for the click."""
+        """Show the cable and wait for the click."""
+        collections.set_hidden(context.scene, collections.MOSAIC, False)
         context.window_manager.modal_handler_add(self)
         context.window.cursor_modal_set("CROSSHAIR")
         self._say(context, translated("Click on the cable to add a station, Esc to leave"))

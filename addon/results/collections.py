@@ -63,6 +63,18 @@ def remove(item: bpy.types.Object) -> None:
         bpy.data.batch_remove([each for each in unused if not each.users])
 
 
+def set_hidden(scene: bpy.types.Scene, kind: str, hidden: bool) -> bool:
+    """Hide or show what is of that kind, in all view layers; gives whether that changed anything."""
+    wanted = existing(scene, kind)
+    changed = False
+    for view_layer in scene.view_layers:
+        layer = None if wanted is None else view_layer_collection(view_layer, wanted)
+        if layer is not None and layer.hide_viewport != hidden:
+            layer.hide_viewport = hidden
+            changed = True
+    return changed
+
+
 def view_layer_collection(
     view_layer: bpy.types.ViewLayer, wanted: bpy.types.Collection
 ) -> bpy.types.LayerCollection | None:

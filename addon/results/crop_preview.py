@@ -71,7 +71,7 @@ def end_preview(scene: bpy.types.Scene) -> None:
     if collections.existing(scene, KIND):
         collections.emptied(scene, KIND)
     for kind in filter(None, state.hidden.split("\n")):
-        _set_hidden(scene, kind, False)
+        collections.set_hidden(scene, kind, False)
     for key in ("previewing", "message", "hidden", "shares"):
         state.property_unset(key)
 
@@ -151,16 +151,4 @@ def _objects(scene: bpy.types.Scene, block: str) -> list[bpy.types.Object]:
 
 def _hide(scene: bpy.types.Scene) -> list[str]:
     """Hide what lies over the preview; gives what was seen before."""
-    return [kind for kind in COVERED if _set_hidden(scene, kind, True)]
-
-
-def _set_hidden(scene: bpy.types.Scene, kind: str, hidden: bool) -> bool:
-    """Whether that changed anything."""
-    wanted = collections.existing(scene, kind)
-    changed = False
-    for view_layer in scene.view_layers:
-        layer = None if wanted is None else collections.view_layer_collection(view_layer, wanted)
-        if layer is not None and layer.hide_viewport != hidden:
-            layer.hide_viewport = hidden
-            changed = True
-    return changed
+    return [kind for kind in COVERED if collections.set_hidden(scene, kind, True)]

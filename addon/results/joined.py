@@ -45,12 +45,10 @@ def place_blocks(scene: bpy.types.Scene, names: Iterable[str], cable_from_block:
 def show_blocks(scene: bpy.types.Scene) -> None:
     """Let the block meshes be seen, and nothing over them; a preview of the crop ends."""
     end_preview(scene)
-    for kind, hidden in ((collections.BLOCKS, False), *((k, True) for k in COVERING)):
-        wanted = collections.existing(scene, kind)
-        for view_layer in scene.view_layers:
-            layer = None if wanted is None else collections.view_layer_collection(view_layer, wanted)
-            if layer is not None:
-                layer.hide_viewport = hidden
+    for kind in (collections.BLOCKS, collections.PAIRS):
+        collections.set_hidden(scene, kind, False)
+    for kind in COVERING:
+        collections.set_hidden(scene, kind, True)
 
 
 def show_only(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, blocks: Iterable[str] | None) -> None:

@@ -37,11 +37,13 @@ def show_run(scene: bpy.types.Scene, folder: Path, most_points: int) -> OpenedRu
     _show_blocks(scene, run, most_points)
     _show_mosaic(scene, run, most_points)
     show_measurement(scene, run)
-    _hide(scene, collections.SETUP)
-    _hide(scene, collections.PATHS)
-    if run.ring is not None:
-        for kind in (collections.CAMERAS, collections.BLOCKS, collections.SPARSE, collections.DENSE):
-            _hide(scene, kind)
+    done = run.ring is not None
+    for kind in (collections.SETUP, collections.PATHS, collections.PAIRS):
+        collections.set_hidden(scene, kind, True)
+    for kind in (collections.CAMERAS, collections.BLOCKS, collections.SPARSE, collections.DENSE):
+        collections.set_hidden(scene, kind, done)
+    for kind in (collections.MOSAIC, collections.STATIONS):
+        collections.set_hidden(scene, kind, False)
     return run
 
 
@@ -103,11 +105,3 @@ def _show_mosaic(scene: bpy.types.Scene, run: OpenedRun, most_points: int) -> No
     cloud = ring_cloud(run.ring)
     dense.objects.link(cloud_object("Dense cloud", cloud.points, cloud.colours, DENSE_M, most_points))
     mosaic.objects.link(mesh_object("Cable", ring_mesh(run.ring)))
-
-
-def _hide(scene: bpy.types.Scene, kind: str) -> None:
-    wanted = collections.existing(scene, kind)
-    for view_layer in scene.view_layers:
-        layer = None if wanted is None else collections.view_layer_collection(view_layer, wanted)
-        if layer is not None:
-            layer.hide_viewport = True

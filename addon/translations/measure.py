@@ -11,9 +11,9 @@ ZH = {
     "Open a measured run first": "请先打开已量测的结果",
     "View Station": "查看测点",
     "Turn the view to the chosen station": "将视图转到所选测点",
-    "View Feature": "查看凹凸",
+    "View Feature": "查看起伏",
     "Turn the view square to this place": "将视图正对此处",
-    "Feature": "凹凸",
+    "Feature": "起伏",
     "Its number in the list": "在列表中的序号",
     "Measure the survey's stations; only what rests on them is made again": (
         "量测各测点；只重新计算依赖测点的部分"
@@ -30,7 +30,7 @@ ZH = {
     "Distance from a tube of the mean diameter about the axis": "到以轴线为中心、平均直径圆管的距离",
     "Deviation from nominal": "相对公称值的偏差",
     "Distance from a tube of the nominal diameter": "到公称直径圆管的距离",
-    "Relief": "凹凸",
+    "Relief": "起伏",
     "Height over the base surface: what stands proud or is dented": "相对基准面的高度：凸起或凹陷",
     "Range (mm)": "范围 (mm)",
     "Deviation at which the colours end, outwards and inwards, in millimetres": (
@@ -52,6 +52,6 @@ ZH = {
     "Against the truth": "与真值比较",
     "Choose a truth.json and press Measure": "请选择 truth.json 并按“量测”",
     "Mean absolute error": "平均绝对误差",
-    "Nothing stands out": "没有明显凹凸",
+    "Nothing stands out": "没有明显起伏",
     "Display": "显示",
 }

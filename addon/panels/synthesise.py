@@ -25,7 +25,7 @@ class CABLETWIN_PT_synthesise(Panel):
         self.layout.operator("cabletwin.synthesise_add_library", icon="ASSET_MANAGER")
         cable = scene_cable(context.scene)
         if cable is None:
-            self.layout.label(text="Add a cable, or drag one from the Asset Browser", icon="INFO")
+            sentence(self.layout, translated("Add a cable, or drag one from the Asset Browser"), "INFO")
             return
         column = aligned(self.layout)
         column.enabled = not job.running

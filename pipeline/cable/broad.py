@@ -9,7 +9,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cable.sweep import Image, SweepGrid, SweepResult
+from pipeline.cable.surface_view import Image, SweepGrid
+from pipeline.cable.sweep import SweepResult
 
 CELLS, WINDOW = 2, 35
 """Broad windows: side of a cell in fine cells, and of a window in those."""

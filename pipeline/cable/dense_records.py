@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from pipeline.cable.sweep import Image
+from pipeline.cable.surface_view import Image
 from pipeline.core.axis import AxisCurve
 from pipeline.core.vocabulary import Array
 

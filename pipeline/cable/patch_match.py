@@ -12,7 +12,8 @@ import numpy as np
 
 from pipeline.cable.adjust import Orientation
 from pipeline.cable.colmap_model import write_sparse_model
-from pipeline.cable.sweep import SweepGrid, SweepResult
+from pipeline.cable.surface_view import SweepGrid
+from pipeline.cable.sweep import SweepResult
 from pipeline.core.errors import StageError
 from pipeline.core.events import Emit, Event
 from pipeline.core.vocabulary import Array, FrameSequence

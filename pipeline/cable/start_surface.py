@@ -8,7 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cable.sweep import Image, SweepGrid, SweepResult
+from pipeline.cable.surface_view import Image, SweepGrid
+from pipeline.cable.sweep import SweepResult
 
 LEAST_SCORE = 0.3
 AGREEMENT_M = 1e-3

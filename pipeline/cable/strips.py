@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cable.adjust import Orientation
-from pipeline.cable.sweep import FrameReader, Image, SweepGrid, SweepResult, sweep_strip
+from pipeline.cable.surface_view import Image, SweepGrid
+from pipeline.cable.sweep import FrameReader, SweepResult, sweep_strip
 from pipeline.core.events import Emit, Event
 from pipeline.core.vocabulary import Array, FrameSequence
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cable.dense import RadiusMap
-from pipeline.cable.sweep import Image
+from pipeline.cable.surface_view import Image
 from pipeline.core.axis import AxisCurve
 from pipeline.core.mesh import Mesh, mesh_of_grid
 from pipeline.core.vocabulary import Array

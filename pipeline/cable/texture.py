@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from pipeline.cable.adjust import Orientation
 from pipeline.cable.surface import BlockSurface
-from pipeline.cable.sweep import Image, SurfaceView, SweepGrid, sample
+from pipeline.cable.surface_view import Image, SurfaceView, SweepGrid, sample
 from pipeline.core.events import Emit, Event
 from pipeline.core.vocabulary import Array, FrameSequence
 

@@ -18,7 +18,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cable.sweep import SurfaceView, SweepGrid, sample
+from pipeline.cable.surface_view import SurfaceView, SweepGrid, sample
 from pipeline.core.axis import AxisCurve
 from pipeline.core.division import project
 from pipeline.core.vocabulary import Array, Lens, Poses

@@ -65,6 +65,27 @@ class Texture:
         return np.clip(found, 0, 255)
 
 
+class Specks(Texture):
+    """A clean sheath: dark specks of about a millimetre, one in 8 x 8 mm, on even grey."""
+
+    def __init__(self, seed=3, first_m=-0.2, last_m=0.3):
+        rng = np.random.default_rng(seed)
+        count = round(2 * np.pi * RADIUS_M * (last_m - first_m) / 0.008**2)
+        self._azimuth, self._y_m = rng.uniform(-np.pi, np.pi, count), rng.uniform(first_m, last_m, count)
+        self._size_m, self._depth = rng.uniform(4e-4, 8e-4, count), rng.uniform(30, 80, count)
+
+    def __call__(self, azimuth, y_m):
+        grey = np.full(np.shape(azimuth), 170.0)
+        for speck_azimuth, speck_y_m, size_m, depth in zip(
+            self._azimuth, self._y_m, self._size_m, self._depth, strict=True
+        ):
+            near = np.flatnonzero(np.abs(y_m - speck_y_m) < 5 * size_m)
+            turned = np.angle(np.exp(1j * (azimuth[near] - speck_azimuth)))
+            square = (RADIUS_M * turned) ** 2 + (y_m[near] - speck_y_m) ** 2
+            grey[near] -= depth * np.exp(-square / (2 * size_m**2))
+        return np.clip(grey, 0, 255)
+
+
 def nominal_rotation(azimuth_deg):
     """Attitude cam_from_world of a camera looking square at the axis, +y of the cable to the right."""
     forward, right = -out_of_cable(np.radians(azimuth_deg)), np.array([0.0, 1.0, 0.0])

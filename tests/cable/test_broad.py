@@ -3,7 +3,8 @@
 import numpy as np
 
 from pipeline.cable import broad
-from pipeline.cable.sweep import SweepGrid, SweepResult
+from pipeline.cable.surface_view import SweepGrid
+from pipeline.cable.sweep import SweepResult
 from pipeline.core.axis import AxisCurve
 
 AXIS = AxisCurve(origin_y_m=0.0, coefficients=np.zeros((2, 1)))

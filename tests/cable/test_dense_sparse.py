@@ -11,29 +11,11 @@ from tests.cable import scene
 from tests.cable.swept import error_mm, sweep
 
 
-class Specks(scene.Texture):
-    """A clean sheath: dark specks of about a millimetre, one in 8 x 8 mm, on even grey."""
-
-    def __call__(self, azimuth, y_m):
-        rng = np.random.default_rng(3)
-        count = round(2 * np.pi * scene.RADIUS_M * 0.5 / 0.008**2)
-        speck_azimuth = rng.uniform(-np.pi, np.pi, count)
-        speck_y_m = rng.uniform(-0.2, 0.3, count)
-        size_m, depth = rng.uniform(4e-4, 8e-4, count), rng.uniform(30, 80, count)
-        grey = np.full(np.shape(azimuth), 170.0)
-        for k in range(count):
-            near = np.flatnonzero(np.abs(y_m - speck_y_m[k]) < 5 * size_m[k])
-            turned = np.angle(np.exp(1j * (azimuth[near] - speck_azimuth[k])))
-            square = (scene.RADIUS_M * turned) ** 2 + (y_m[near] - speck_y_m[k]) ** 2
-            grey[near] -= depth[k] * np.exp(-square / (2 * size_m[k] ** 2))
-        return np.clip(grey, 0, 255)
-
-
 @pytest.fixture(scope="module")
 def sparse_maps(barrel_view, barrel_orientation, tmp_path_factory):
     """The map of the clean sheath with broad windows, as they come, and without; with noise."""
     folder = tmp_path_factory.mktemp("specks")
-    frames = replace(barrel_view, texture=Specks()).write(folder)
+    frames = replace(barrel_view, texture=scene.Specks()).write(folder)
     rng = np.random.default_rng(1)
     for file in frames.files:
         picture = cv2.imread(str(file)).astype(float)
@@ -47,17 +29,24 @@ def sparse_maps(barrel_view, barrel_orientation, tmp_path_factory):
 
 def test_where_texture_is_sparse_broad_windows_fill_what_narrow_ones_leave_open(sparse_maps):
     broad, narrow = sparse_maps
-    assert narrow.coverage < 0.65
-    assert narrow.coverage + 0.15 < broad.coverage < 0.95
+    assert 0.2 < narrow.coverage < 0.65
+    assert broad.coverage > 0.95
     assert broad.coverage == pytest.approx(np.isfinite(broad.radius_m).mean())
 
 
 def test_what_broad_windows_fill_is_right(sparse_maps):
-    """Narrow windows that agree by chance are millimetres off; few of those are left."""
+    """Narrow windows that agree by chance are far off; few of those are left."""
     broad, narrow = (np.abs(error_mm(found)) for found in sparse_maps)
-    assert abs(np.nanmedian(error_mm(sparse_maps[0]))) < 0.03
-    assert 0.05 < np.nanpercentile(broad, 90) < 0.45
-    assert np.nanpercentile(narrow, 90) > 1.0
+    assert 0.03 < np.nanpercentile(broad, 90) < 0.15
+    assert np.nanpercentile(narrow, 90) > 0.3
+
+
+def test_thin_texture_biases_nothing_not_even_at_the_sides(sparse_maps):
+    """Windows that held more and more of the picture as the radius shrank left the sides 0.2 mm off."""
+    error = error_mm(sparse_maps[0])
+    assert abs(np.nanmedian(error)) < 0.02
+    for part in np.array_split(error, 5, axis=1):
+        assert abs(np.nanmedian(part)) < 0.06
 
 
 def test_the_window_told_is_that_of_the_cells_that_stand(sparse_maps):

@@ -6,7 +6,7 @@ import pycolmap
 import pytest
 
 from pipeline.cable.patch_match import grid_points, match_patches
-from pipeline.cable.sweep import SweepGrid
+from pipeline.cable.surface_view import SweepGrid
 from pipeline.core.axis import AxisCurve
 from pipeline.core.errors import StageError
 from tests.cable import scene

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from pipeline.cable.start_surface import edge_keeping_start, smooth_start
-from pipeline.cable.sweep import SweepGrid, SweepResult
+from pipeline.cable.surface_view import SweepGrid
+from pipeline.cable.sweep import SweepResult
 from pipeline.core.axis import AxisCurve
 
 RADIUS_M = 0.055

@@ -1,10 +1,13 @@
 """The sweep finds the radius of a painted cable, bump included, and says nothing where there is nothing."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
 
-from pipeline.cable.sweep import FrameReader, SurfaceView, SweepGrid, sweep_strip
+from pipeline.cable.surface_view import SurfaceView, SweepGrid
+from pipeline.cable.sweep import FrameReader, sweep_strip
 from pipeline.core.axis import AxisCurve
 from tests.cable import scene
 
@@ -17,13 +20,23 @@ GRID = SweepGrid(
 )
 
 
-def sweep(view, start_mm=55.0, reach_mm=1.2, pictures=None, ahead=AHEAD, behind=BEHIND):
+def sweep(view, start_mm=55.0, reach_mm=1.2, pictures=None, ahead=AHEAD, behind=BEHIND, along_sight=False):
     pictures = pictures or [view.picture(k)[..., 2] for k in range(scene.FRAMES)]
     start = np.full((len(GRID.y_m), len(GRID.azimuth)), start_mm / 1000, dtype=np.float32)
     offsets_m = np.arange(-reach_mm, reach_mm + 1e-9, 0.3) / 1000
     reader = FrameReader(lambda k: pictures[k], 0.0)
     return sweep_strip(
-        reader, view.lens, view.poses, REFERENCE, ahead, behind, GRID, start, offsets_m, WINDOW
+        reader,
+        view.lens,
+        view.poses,
+        REFERENCE,
+        ahead,
+        behind,
+        GRID,
+        start,
+        offsets_m,
+        WINDOW,
+        along_sight=along_sight,
     )
 
 
@@ -55,6 +68,55 @@ def test_the_answer_does_not_hang_on_where_the_search_begins(barrel_view, plain,
     difference_mm = 1000 * (inner(moved.radius_m) - inner(plain.radius_m))
     assert abs(np.nanmedian(difference_mm)) < 0.01
     assert np.nanmedian(np.abs(difference_mm)) < 0.03
+
+
+@pytest.mark.parametrize("start_mm", [54.0, 55.2, 56.2])
+def test_a_line_of_sight_tells_the_radius_where_it_ends(barrel_view, plain, start_mm):
+    """It leaves the cell's own direction: 1.2 mm along it are 0.02 mm of radius more, 45 degrees aside."""
+    slanted = sweep(barrel_view, start_mm=start_mm, reach_mm=2.1, along_sight=True)
+    for found, expected in zip(
+        np.array_split(inner(slanted.radius_m), 5, axis=1),
+        np.array_split(inner(plain.radius_m), 5, axis=1),
+        strict=True,
+    ):
+        assert abs(1000 * np.nanmedian(found - expected)) < 0.012
+    assert np.nanmedian(slanted.score) > 0.9
+
+
+def test_what_a_window_holds_does_not_hang_on_the_radius_that_is_asked_for(barrel_view):
+    """Few specks in broad windows, noise, short baselines: there every slope of the agreement shows most.
+
+    Cells in their place on the surface hold a larger part of the specks the smaller the radius.
+    """
+    grid = replace(GRID, y_m=REFERENCE * scene.STEP_M + 0.0006 * np.arange(-40, 41))
+    start = np.full((len(grid.y_m), len(grid.azimuth)), scene.RADIUS_M, dtype=np.float32)
+    offsets_m = np.arange(-3.6, 3.61, 0.6) / 1000
+    errors_mm = {False: [], True: []}
+    for draw in range(24):
+        rng = np.random.default_rng(draw)
+        if draw % 6 == 0:
+            view = replace(barrel_view, texture=scene.Specks(draw, first_m=0.0, last_m=0.16))
+            clean = {k: view.picture(k)[..., 2] for k in (3, 4, 5)}
+        noisy = {k: picture + rng.normal(0, 4.0, picture.shape) for k, picture in clean.items()}
+        reader = FrameReader(noisy.__getitem__, 0.5, 1.5)
+        for along_sight, found_mm in errors_mm.items():
+            found = sweep_strip(
+                reader,
+                view.lens,
+                view.poses,
+                REFERENCE,
+                (5,),
+                (3,),
+                grid,
+                start,
+                offsets_m,
+                31,
+                along_sight=along_sight,
+            )
+            found_mm.append(1000 * (found.radius_m[15:-15, 15:-15] - scene.RADIUS_M))
+    fixed_mm, kept_mm = (np.nanmedian(errors_mm[along_sight]) for along_sight in (False, True))
+    assert fixed_mm < -0.1
+    assert abs(kept_mm) < 0.04
 
 
 def test_the_halves_share_no_neighbour_and_tell_the_same(plain):

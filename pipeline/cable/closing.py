@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import combinations
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,6 +23,7 @@ from pipeline.core.axis import axis_of_cylinder
 from pipeline.core.events import Emit, Event, part
 from pipeline.core.fits.cylinder import fit_cylinder
 from pipeline.core.parallel import side_by_side, workers_for
+from pipeline.core.pictures import read_grey
 from pipeline.core.vocabulary import Array, FrameSequence
 
 LEAST_VIEWS = 3
@@ -183,8 +183,7 @@ def _unroll(block: ClosingBlock, options: ClosingOptions, emit: Emit) -> _Unroll
     )
 
     def read(frame: int) -> Gray:
-        file = block.frames.files[frame]
-        return np.asarray(cv2.imread(str(file), cv2.IMREAD_GRAYSCALE), dtype=np.uint8)
+        return read_grey(block.frames.files[frame], "closing")
 
     tracker = Tracker(
         read,

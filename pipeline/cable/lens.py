@@ -16,11 +16,12 @@ import numpy as np
 from pipeline.cable.lens_records import CableScene, LensMethod, LensOptions, LensSolution
 from pipeline.cable.plumb_lines import fit_plumb_lines
 from pipeline.cable.plumb_records import PlumbEdges, PlumbLineFit, PlumbScene
-from pipeline.cable.silhouette import Image, Silhouette, find_silhouette
+from pipeline.cable.silhouette import Silhouette, find_silhouette
 from pipeline.core.division import check, pixels_to_rays, radius_unit_px, undistorted_lens, undistortion_maps
 from pipeline.core.errors import StageError
 from pipeline.core.events import Emit, Event
 from pipeline.core.files import write_png
+from pipeline.core.pictures import read_colour
 from pipeline.core.vocabulary import FrameSequence, Lens, TravelDirection
 
 __all__ = [
@@ -28,7 +29,6 @@ __all__ = [
     "LensMethod",
     "LensOptions",
     "LensSolution",
-    "read_image",
     "solve_lens",
     "undistort_frames",
 ]
@@ -107,25 +107,14 @@ def undistort_frames(
     files = []
     for done, file in enumerate(frames.files):
         emit(Event(stage="undistort", done=done, total=len(frames), block=frames.block))
-        image = cv2.remap(read_image(file), *maps, cv2.INTER_CUBIC, borderMode=cv2.BORDER_CONSTANT)
+        image = cv2.remap(
+            read_colour(file, "undistort"), *maps, cv2.INTER_CUBIC, borderMode=cv2.BORDER_CONSTANT
+        )
         files.append(folder / f"{file.stem}.png")
         write_png(files[-1], image, stage="undistort")
     emit(Event(stage="undistort", done=len(frames), total=len(frames), block=frames.block))
     undistorted = replace(frames, files=tuple(files), width_px=pinhole.width_px, height_px=pinhole.height_px)
     return undistorted, pinhole
-
-
-def read_image(file: Path) -> Image:
-    """Read an image as uint8, (h, w, 3) blue-green-red.
-
-    Raises:
-        StageError: the file is missing or no image.
-    """
-    data = np.frombuffer(file.read_bytes(), np.uint8) if file.is_file() else np.empty(0, np.uint8)
-    image = cv2.imdecode(data, cv2.IMREAD_COLOR) if data.size else None
-    if image is None:
-        raise StageError("lens", f"{file} cannot be read as an image", "restore the file or take it out")
-    return np.asarray(image, dtype=np.uint8)
 
 
 def _silhouettes(
@@ -148,7 +137,7 @@ def _silhouettes(
         name = f"{frames.block}, frame {frames.source_indices[k]} ({frames.files[k].name})"
         try:
             found[int(k)] = find_silhouette(
-                read_image(frames.files[k]), travel, options.silhouette, width, name
+                read_colour(frames.files[k], "lens"), travel, options.silhouette, width, name
             )
         except StageError as error:
             if "shows no cable" not in error.cause:

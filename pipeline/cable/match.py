@@ -9,7 +9,6 @@ neighbouring blocks share: those come from the unrolled pictures, in mosaic.
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,6 +26,7 @@ from pipeline.core.epipolar import (
 from pipeline.core.errors import StageError
 from pipeline.core.events import Emit, Event, part
 from pipeline.core.fundamental import FundamentalOptions, estimate_fundamental
+from pipeline.core.pictures import read_grey
 from pipeline.core.vocabulary import Array, FrameSequence, Lens, Poses, PosPriors
 
 STRAIGHT = AxisCurve(origin_y_m=0.0, coefficients=np.zeros((2, 1)))
@@ -103,7 +103,7 @@ def match_block(
     """
 
     def read(frame: int) -> Gray:
-        return np.asarray(cv2.imread(str(frames.files[frame]), cv2.IMREAD_GRAYSCALE), dtype=np.uint8)
+        return read_grey(frames.files[frame], "match")
 
     pinhole = undistorted_lens(lens)
     tracker = Tracker(read, lens, pos.poses, azimuth_deg, (axis, radius_m), options.track)

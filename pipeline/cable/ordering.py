@@ -11,16 +11,16 @@ from dataclasses import dataclass, field
 from itertools import combinations
 from pathlib import Path
 
-import cv2
 import numpy as np
 
-from pipeline.cable.lens import CableScene, LensOptions, read_image, solve_lens
+from pipeline.cable.lens import CableScene, LensOptions, solve_lens
 from pipeline.cable.levelling import Net, net_places
 from pipeline.cable.sift_match import CableView, Marks, SiftOptions, find_marks, find_shift
 from pipeline.cable.sources import image_files
 from pipeline.cable.survey_records import Block, Survey
 from pipeline.core.errors import StageError
 from pipeline.core.events import Emit, Event, part, silent
+from pipeline.core.pictures import read_grey
 from pipeline.core.vocabulary import Array, FrameSequence
 
 GROSS_SHARE = 0.04
@@ -92,7 +92,7 @@ def _block_fractions(
     marks, first, then = [], part(emit, 0.0, 0.5), part(emit, 0.5, 1.0)
     for done, file in enumerate(files):
         first(_event(block, done, len(files)))
-        grey = np.asarray(cv2.cvtColor(read_image(file), cv2.COLOR_BGR2GRAY), dtype=np.uint8)
+        grey = read_grey(file, "frames")
         marks.append(find_marks(grey, view, mask, options.sift))
     net = _net(block, marks, view, options, then)
     places_m = net_places(net, GROSS_SHARE * view.standoff_m, [f.name for f in files], block.name)

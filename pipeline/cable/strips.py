@@ -7,7 +7,6 @@ what the sweep of every strip found, put together.  Memory: one strip and the fr
 from collections import OrderedDict
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +14,7 @@ from pipeline.cable.adjust import Orientation
 from pipeline.cable.surface_view import Image, SweepGrid
 from pipeline.cable.sweep import FrameReader, SweepResult, sweep_strip
 from pipeline.core.events import Emit, Event
+from pipeline.core.pictures import read_grey
 from pipeline.core.vocabulary import Array, FrameSequence
 
 KEPT_FRAMES = 40
@@ -121,8 +121,7 @@ class Strips:
         """A grey frame; the latest stay in memory, for the next pass."""
         if frame not in self._grey:
             file = self._frames.files[frame]
-            image = cv2.imread(str(file), cv2.IMREAD_GRAYSCALE)
-            self._grey[frame] = np.asarray(image, dtype=np.uint8)
+            self._grey[frame] = read_grey(file, "dense")
             if len(self._grey) > KEPT_FRAMES:
                 self._grey.popitem(last=False)
         self._grey.move_to_end(frame)

@@ -17,6 +17,7 @@ from pipeline.cable.adjust import Orientation
 from pipeline.cable.surface import BlockSurface
 from pipeline.cable.surface_view import Image, SurfaceView, SweepGrid, sample
 from pipeline.core.events import Emit, Event
+from pipeline.core.pictures import read_colour
 from pipeline.core.vocabulary import Array, FrameSequence
 
 
@@ -104,8 +105,7 @@ class _ColourReader:
 
     def __getitem__(self, frame: int) -> Image:
         if frame not in self._held:
-            image = cv2.imread(str(self._frames.files[frame]), cv2.IMREAD_COLOR)
-            self._held[frame] = np.asarray(image, dtype=np.float32)
+            self._held[frame] = read_colour(self._frames.files[frame], "texture").astype(np.float32)
             if len(self._held) > self._keep:
                 self._held.popitem(last=False)
         return self._held[frame]

@@ -108,7 +108,7 @@ class RunFolder:
         )
         file = self.path / "products" / f"{block or 'all'}-{stage}.npz"
         mark = file.with_suffix(".stamp")
-        if stage not in self._fresh and mark.exists() and mark.read_text() == wanted:
+        if stage not in self._fresh and mark.exists() and mark.read_text(encoding="utf-8") == wanted:
             with contextlib.suppress(*_UNREADABLE):
                 return Product(store.load(kind, file, self.path), wanted)
         if self._only is not None and stage not in self._only:
@@ -159,4 +159,4 @@ class RunFolder:
             with contextlib.suppress(
                 ValueError
             ):  # cut off: only the times of the stages not made again are lost
-                self.timing_s = json.loads(file.read_text())
+                self.timing_s = json.loads(file.read_text(encoding="utf-8"))

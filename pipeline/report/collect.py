@@ -5,7 +5,6 @@ Takes a :class:`~pipeline.cable.records.CableRun`; gives :class:`~pipeline.repor
 
 from collections.abc import Mapping
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +13,7 @@ from pipeline.cable.measure import Section
 from pipeline.cable.records import BlockRun, CableRun
 from pipeline.cable.relief import Relief
 from pipeline.core.fits.cylinder import Cylinder, fit_cylinder
+from pipeline.core.pictures import read_colour
 from pipeline.core.vocabulary import Array
 from pipeline.report.model import ring_mesh
 from pipeline.report.notes import notes_of
@@ -113,8 +113,8 @@ def _station(section: Section) -> StationResult:
 
 def _lens_pictures(run: BlockRun) -> LensPictures:
     lens = run.orientation.lens
-    frame = cv2.imread(str(run.frames.files[len(run.frames) // 2]), cv2.IMREAD_COLOR)
-    before, after = before_after_picture(np.asarray(frame, dtype=np.uint8), lens)
+    frame = read_colour(run.frames.files[len(run.frames) // 2], "report")
+    before, after = before_after_picture(frame, lens)
     return LensPictures(
         block=run.block.name, grid=_rgb(distortion_grid_picture(lens)), before=_rgb(before), after=_rgb(after)
     )

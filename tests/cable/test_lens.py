@@ -10,13 +10,13 @@ from pipeline.cable.lens import (
     CableScene,
     LensMethod,
     LensOptions,
-    read_image,
     solve_lens,
     undistort_frames,
 )
 from pipeline.cable.lens_pictures import before_after_picture, distortion_grid_picture
 from pipeline.core.division import pixels_to_rays, rays_to_pixels
 from pipeline.core.errors import StageError
+from pipeline.core.pictures import read_colour
 from pipeline.core.vocabulary import FrameSequence, LambdaRadius, Lens, TravelDirection
 from tests.cable.outline_pictures import picture_of_cable
 
@@ -129,7 +129,7 @@ def test_an_unreadable_frame_is_named(frames, tmp_path):
     with pytest.raises(StageError, match=r"broken\.png cannot be read"):
         solve(replace(frames, files=(broken, *frames.files[1:])))
     with pytest.raises(StageError, match=r"gone\.png cannot be read"):
-        read_image(tmp_path / "gone.png")
+        read_colour(tmp_path / "gone.png", "lens")
 
 
 def test_undistorted_frames_show_straight_edges_on_the_pinhole_canvas(frames, tmp_path):
@@ -137,7 +137,7 @@ def test_undistorted_frames_show_straight_edges_on_the_pinhole_canvas(frames, tm
     undistorted, pinhole = undistort_frames(frames, LENS, tmp_path / "undistorted", events.append)
     assert [file.name for file in undistorted.files] == [file.name for file in frames.files]
     assert (undistorted.width_px, undistorted.height_px) == (pinhole.width_px, pinhole.height_px)
-    assert read_image(undistorted.files[0]).shape == (pinhole.height_px, pinhole.width_px, 3)
+    assert read_colour(undistorted.files[0], "lens").shape == (pinhole.height_px, pinhole.width_px, 3)
     assert pinhole.division_lambda == 0
     assert events[-1].done == events[-1].total == 5
     straight = solve(undistorted, replace(pinhole, division_lambda=0.0), known=False)
@@ -163,7 +163,7 @@ def test_grid_picture_is_blue_where_the_lens_puts_the_grid_and_grey_where_it_sho
 
 
 def test_before_and_after_share_a_canvas_and_the_middle_of_the_picture(frames):
-    frame = read_image(frames.files[0])
+    frame = read_colour(frames.files[0], "lens")
     before, after = before_after_picture(frame, LENS)
     assert before.shape == after.shape
     height, width = before.shape[:2]
@@ -175,7 +175,7 @@ def test_before_and_after_share_a_canvas_and_the_middle_of_the_picture(frames):
 
 
 def test_a_grid_over_both_is_straight_after_and_bent_before(frames):
-    frame = np.full_like(read_image(frames.files[0]), 90)
+    frame = np.full_like(read_colour(frames.files[0], "lens"), 90)
     plain, gridded = (before_after_picture(frame, LENS, cells) for cells in (0, 12))
     drawn = [(a.astype(int) - b).any(axis=2) for a, b in zip(gridded, plain, strict=True)]
     height, width = plain[0].shape[:2]

@@ -89,7 +89,7 @@ def test_one_block_filmed_again_leaves_the_others_alone_until_all_are_joined(ren
     assert code == 130
     after = products(copied)
     remade = {name for name in before if after.get(name) != before[name]}
-    alone = {f"Block2-{stage}" for stage in ("lens", "pos", "match", "adjust")}
+    alone = {f"Block2-{stage}" for stage in ("lens", "pos", "match", "adjust", "undistort")}
     assert not (copied / "report.json").exists()  # it tells of the film before
     assert (copied / "outdated" / "report.json").exists()
     assert remade - {"Block1-dense"} == {"all-frames", *alone, "all-closing", "all-joint"}

@@ -97,12 +97,12 @@ def _layers(layer):
 
 def test_options_of_which_nothing_is_left_are_told_in_the_pipelines_words(state):
     bpy.ops.cabletwin.crop_preview()
-    state.crop.least_score = 1.0
+    state.crop.incidence = math.radians(1.0)
     assert "crop: nothing of Block" in state.crop.message
     assert "lower crop.least_score" in state.crop.message
-    state.crop.least_score = 0.2
+    state.crop.incidence = math.radians(62.0)
     assert state.crop.message == ""
-    state.crop.least_score = 1.0
+    state.crop.incidence = math.radians(1.0)
     written = state.survey.written
     with pytest.raises(RuntimeError, match=r"crop: nothing of Block\d is left; raise crop\.incidence_deg"):
         bpy.ops.cabletwin.crop_apply()

@@ -23,7 +23,7 @@ SHARES = {
     "measure": 4.0,
     "report": 8.0,
 }
-"""Rough share of each stage in a run, from timings of the benchmark's sway; only the time left hangs on it."""
+"""Rough share of each stage in a run, timed on the scenario sway; only the time left hangs on it."""
 
 SETTLE_S = 2.0
 """Nothing is foretold before."""

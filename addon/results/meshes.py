@@ -25,8 +25,8 @@ def mesh_object(name: str, mesh: Mesh, material: bpy.types.Material | None = Non
     data.polygons.add(len(corners))
     data.polygons.foreach_set("loop_start", np.arange(0, corners.size, 3, dtype=np.int32))
     layer = data.uv_layers.new(name="unrolled")
-    uv = np.stack([mesh.uv[:, 0], 1 - mesh.uv[:, 1]], axis=1)[corners.ravel()]
-    layer.uv.foreach_set("vector", uv.astype(np.float32).ravel())
+    uv = np.stack([mesh.uv[:, 0], 1 - mesh.uv[:, 1]], axis=1).astype(np.float32)
+    layer.uv.foreach_set("vector", uv[corners.ravel()].ravel())
     data.update(calc_edges=True)
     data.shade_smooth()
     if material is None:

@@ -53,12 +53,12 @@ def mesh_of_grid(points: Array, stands: NDArray[np.bool_], outward: Array, close
         face_normal = np.cross(flat[first[0, 1]] - flat[first[0, 0]], flat[first[0, 2]] - flat[first[0, 0]])
         if face_normal @ out[first[0, 0]] < 0:
             faces = faces[:, ::-1]
-    cells, faces_of_used = np.unique(faces, return_inverse=True)
-    faces = faces_of_used.reshape(-1, 3).astype(np.int32)
+    used = np.zeros(rows * columns, dtype=np.bool_)
+    used[faces.ravel()] = True
+    cells = np.flatnonzero(used)
+    faces = (np.cumsum(used, dtype=np.int32) - 1)[faces]
     vertices = flat[cells]
-    return Mesh(
-        vertices=vertices, normals=_normals(vertices, faces), faces=faces, cells=cells.astype(np.int64)
-    )
+    return Mesh(vertices=vertices, normals=_normals(vertices, faces), faces=faces, cells=cells)
 
 
 def _normals(vertices: Array, faces: NDArray[np.int32]) -> Array:

@@ -88,6 +88,31 @@ def test_a_frame_matches_its_camera_to_a_pixel(shown, run):
     assert np.abs(away.mean(axis=0)).max() < 0.05
 
 
+@pytest.mark.parametrize("size", [(960, 600), (600, 960)])
+def test_a_camera_off_its_principal_point_projects_as_the_pinhole_does(size):
+    """Shift has signs and a unit of its own in Blender; a centred lens would not tell."""
+    lens = library("pipeline.core.vocabulary").Lens(
+        width_px=size[0],
+        height_px=size[1],
+        focal_px=720.0,
+        principal_point_px=(511.0, 262.0),
+        division_lambda=0.0,
+    )
+    scene = bpy.context.scene
+    turn = np.array(Matrix.Rotation(0.4, 3, (0.3, 0.8, -0.5)))
+    camera = library("results.cameras").camera_object(
+        "probe", lens, turn, np.array([0.1, -0.2, 0.9]), None, 0.02
+    )
+    scene.collection.objects.link(camera)
+    scene.render.resolution_x, scene.render.resolution_y = size
+    bpy.context.view_layer.update()
+    for point in ((0.05, 0.02, 0.1), (-0.1, 0.2, -0.2), (0.2, 0.1, 0.3)):
+        x, y, z = turn @ point + np.array([0.1, -0.2, 0.9])
+        seen = world_to_camera_view(scene, camera, Vector(point))
+        assert seen.x * size[0] == pytest.approx(720 * x / z + 511, abs=0.01)
+        assert (1 - seen.y) * size[1] == pytest.approx(720 * y / z + 262, abs=0.01)
+
+
 def test_the_picture_behind_a_camera_is_the_undistorted_frame(shown, run):
     camera = next(o for o in bpy.data.objects if o.name == "Block1.001")
     path = bpy.path.abspath(camera.data.background_images[0].image.filepath)

@@ -6,6 +6,7 @@ Needs ``blender --enable-event-simulate``.  x and y count from the window's lowe
 import os
 import shutil
 import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 
@@ -179,12 +180,12 @@ def play(steps: Steps, on_end: Callable[[BaseException | None], None]) -> None:
     """Run steps on a timer, so that Blender draws and handles events between them."""
 
     def tick() -> float | None:
+        pause = None
         try:
-            return next(steps)
-        except StopIteration:
-            on_end(None)
-        except BaseException as error:  # noqa: BLE001 - whatever it is ends the test, with its picture
-            on_end(error)
-        return None
+            pause = next(steps, None)
+        finally:
+            if pause is None:  # the last step, or one that failed
+                on_end(sys.exception())
+        return pause
 
     bpy.app.timers.register(tick, first_interval=1.0, persistent=True)

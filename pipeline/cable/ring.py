@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
+from numpy.polynomial.polynomial import polygrid2d, polyvander2d
 from numpy.typing import NDArray
 
 from pipeline.cable.crop import Crop
@@ -18,6 +19,9 @@ from pipeline.cable.surface import smoothed
 from pipeline.core.events import Emit, Event
 from pipeline.core.fits.cylinder import fit_cylinder
 from pipeline.core.vocabulary import Array
+
+_SECOND_ORDER = [0, 1, 2, 3, 4, 6]
+"""Of the nine products of a^0..2 and y^0..2, those of second order at most."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -199,23 +203,20 @@ def _add_colour(
     """Look the ring's texels up in one block's picture, through the block's own surface coordinates."""
     surface, picture = block.surface, block.picture
     turn, rise = _own_coordinates(points, surface.azimuth, surface.y_m, azimuth, y_m)
-    column = np.interp(turn, picture.azimuth, np.arange(len(picture.azimuth)), left=-9, right=-9)
-    row = np.interp(rise, picture.y_m, np.arange(len(picture.y_m)), left=-9, right=-9)
-    where = column.astype(np.float32), row.astype(np.float32)
-    colour = cv2.remap(picture.colour, *where, cv2.INTER_CUBIC).astype(np.float32) * np.float32(gain)
-    known = cv2.remap(picture.known.astype(np.float32), *where, cv2.INTER_LINEAR) > 0.99
-    across = np.interp(turn, surface.azimuth, square, left=0, right=0)
-    keep_column = np.interp(turn, surface.azimuth, np.arange(len(surface.azimuth)), left=-9, right=-9)
-    keep_row = np.interp(rise, surface.y_m, np.arange(len(surface.y_m)), left=-9, right=-9)
-    keep = cv2.remap(
-        crop.keep.astype(np.float32),
-        keep_column.astype(np.float32),
-        keep_row.astype(np.float32),
-        cv2.INTER_LINEAR,
-    )
-    factor = (known * across * (keep > 0.5)).astype(np.float32)
-    sums[0][...] += colour * factor[..., None]
+    texel = _place_on(picture.azimuth, turn), _place_on(picture.y_m, rise)
+    cell = _place_on(surface.azimuth, turn), _place_on(surface.y_m, rise)
+    colour = cv2.remap(picture.colour, *texel, cv2.INTER_CUBIC)
+    known = cv2.remap(picture.known.astype(np.float32), *texel, cv2.INTER_LINEAR) > 0.99
+    keep = cv2.remap(crop.keep.astype(np.float32), *cell, cv2.INTER_LINEAR) > 0.5
+    across = np.interp(cell[0], np.arange(len(square)), square, left=0, right=0).astype(np.float32)
+    factor = across * (known & keep)
+    sums[0][...] += colour * (np.float32(gain) * factor)[..., None]
     sums[1][...] += factor
+
+
+def _place_on(grid: Array, values: Array) -> NDArray[np.float32]:
+    """Where values lie on an even grid, counted in its steps; outside, a picture has nothing to give."""
+    return ((values - grid[0]) / (grid[1] - grid[0])).astype(np.float32)
 
 
 def _own_coordinates(
@@ -235,16 +236,14 @@ def _own_coordinates(
     middle = own_azimuth.mean()
     around = middle + np.angle(np.exp(1j * (np.arctan2(-sample[:, 2], sample[:, 0]) - middle)))
 
-    def design(a: Array, y: Array) -> Array:
-        return np.stack([np.ones_like(a), a, y, a * a, a * y, y * y], axis=-1)
-
     offsets = np.stack([turn - around, rise - sample[:, 1]], axis=1)
     centre_y = float(own_y.mean())
-    fitted = np.linalg.lstsq(design(around - middle, sample[:, 1] - centre_y), offsets, rcond=None)[0]
+    second_order = polyvander2d(around - middle, sample[:, 1] - centre_y, [2, 2])[:, _SECOND_ORDER]
+    fitted = np.zeros((9, 2))
+    fitted[_SECOND_ORDER] = np.linalg.lstsq(second_order, offsets, rcond=None)[0]
     wide = middle + np.angle(np.exp(1j * (azimuth - middle)))
-    grid_azimuth, grid_y = np.meshgrid(wide, y_m)
-    moved = design(grid_azimuth - middle, grid_y - centre_y) @ fitted
-    return grid_azimuth + moved[..., 0], grid_y + moved[..., 1]
+    away = polygrid2d(y_m - centre_y, wide - middle, fitted.reshape(3, 3, 2).swapaxes(0, 1))
+    return wide + away[0], y_m[:, None] + away[1]
 
 
 def _gains(blocks: tuple[MosaicBlock, ...]) -> list[float]:

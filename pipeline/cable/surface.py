@@ -68,9 +68,7 @@ class BlockSurface:
 
     def points(self, rows: slice = slice(None), columns: slice = slice(None)) -> Array:
         """Surface points of the chosen cells in the cable frame, (n, m, 3) metres."""
-        radius = np.asarray(self.radius_m[rows, columns], dtype=np.float64)
-        azimuth, y_m = np.meshgrid(self.azimuth[columns], self.y_m[rows])
-        return self.axis.roll(azimuth.ravel(), y_m.ravel(), radius.ravel()).reshape(*radius.shape, 3)
+        return self.axis.roll_grid(self.azimuth[columns], self.y_m[rows], self.radius_m[rows, columns])
 
     def outward(self) -> Array:
         """Unit vectors away from the axis, (1, m, 3)."""

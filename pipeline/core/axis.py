@@ -5,8 +5,11 @@ Surface coordinates about an axis are (azimuth, y, radius): a surface point is a
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
+from numpy.typing import NDArray
 
 from pipeline.core.fits.cylinder import Cylinder
 from pipeline.core.vocabulary import Array
@@ -26,8 +29,7 @@ class AxisCurve:
 
     def at(self, y_m: Array) -> Array:
         """Points of the axis, (n,) -> (n, 3) metres."""
-        powers = (y_m - self.origin_y_m)[:, None] ** np.arange(self.coefficients.shape[1])
-        x, z = self.coefficients @ powers.T
+        x, z = polyval(y_m - self.origin_y_m, self.coefficients.T)
         return np.stack([x, y_m, z], axis=1)
 
     def unroll(self, points: Array) -> tuple[Array, Array, Array]:
@@ -41,6 +43,16 @@ class AxisCurve:
             [radius_m * np.cos(azimuth), np.zeros_like(radius_m), -radius_m * np.sin(azimuth)], axis=1
         )
         return self.at(y_m) + out
+
+    def roll_grid(self, azimuth: Array, y_m: Array, radius_m: NDArray[np.floating[Any]]) -> Array:
+        """Points (n, m, 3) at radii (n, m) over azimuths (m,) and places along the cable (n,)."""
+        points = np.empty((*radius_m.shape, 3))
+        np.multiply(radius_m, np.cos(azimuth), out=points[..., 0])
+        np.multiply(radius_m, -np.sin(azimuth), out=points[..., 2])
+        x, points[..., 1], z = self.at(y_m).T[..., None]
+        points[..., 0] += x
+        points[..., 2] += z
+        return points
 
 
 def axis_of_cylinder(cylinder: Cylinder) -> AxisCurve:

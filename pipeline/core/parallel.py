@@ -64,9 +64,7 @@ def side_by_side[T](jobs: Sequence[Callable[[Emit], T]], emit: Emit, workers: in
                     emit(event)
                     continue
                 running -= 1
-                failed = [
-                    n for n, f in enumerate(futures) if f.done() and not f.cancelled() and f.exception()
-                ]
+                failed = [number for number, future in enumerate(futures) if _failed(future)]
                 last[0] = min([*failed, last[0]])
                 for future in futures[last[0] + 1 :]:
                     future.cancel()

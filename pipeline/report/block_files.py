@@ -15,24 +15,23 @@ from pipeline.report.block_model import block_cloud, block_mesh, cable_from_bloc
 from pipeline.report.exports import write_cloud_ply, write_model_ply
 
 
-def write_block_files(run: CableRun, folder: Path) -> None:
-    """Write ``folder/NAME/`` for every block.
+def write_block_files(run: CableRun, number: int, folder: Path) -> None:
+    """Write ``folder/NAME/`` for one of the run's blocks.
 
     Raises:
         StageError: the folder cannot be written.
     """
-    for number, block in enumerate(run.blocks):
-        own = folder / block.block.name
-        write_sparse_model(own / "sparse", block.frames, block.orientation)
-        _write_meshes(own, block, run)
-        write_cloud_ply(own / "cloud.ply", block_cloud(block.surface, block.picture))
-        matrix, scale = (
-            cable_from_block(number, run.mosaic, run.ring.alignment),
-            float(run.mosaic.placement.scales[number]),
-        )
-        write_json(
-            own / "placement.json", {"format": 1, "cable_from_block": matrix, "scale": scale}, "report"
-        )
+    block = run.blocks[number]
+    own = folder / block.block.name
+    write_sparse_model(own / "sparse", block.frames, block.orientation)
+    _write_meshes(own, block, run)
+    write_cloud_ply(own / "cloud.ply", block_cloud(block.surface, block.picture))
+    place = {
+        "format": 1,
+        "cable_from_block": cable_from_block(number, run.mosaic, run.ring.alignment),
+        "scale": float(run.mosaic.placement.scales[number]),
+    }
+    write_json(own / "placement.json", place, "report")
 
 
 def _write_meshes(folder: Path, block: BlockRun, run: CableRun) -> None:

@@ -77,7 +77,8 @@ def run(view, alignment, tmp_path_factory):
 @pytest.fixture(scope="module")
 def folder(run, tmp_path_factory):
     folder = tmp_path_factory.mktemp("run") / "blocks"
-    write_block_files(run, folder)
+    for number in range(len(run.blocks)):
+        write_block_files(run, number, folder)
     return folder
 
 
@@ -216,7 +217,7 @@ def test_the_cloud_holds_every_measured_cell(folder, run):
 
 def test_writing_again_replaces_the_files(run, folder, tmp_path):
     for _ in range(2):
-        write_block_files(run, tmp_path)
+        write_block_files(run, 0, tmp_path)
     assert sorted(p.name for p in (tmp_path / "North" / "sparse").iterdir()) == sorted(
         p.name for p in (folder / "North" / "sparse").iterdir()
     )
@@ -226,4 +227,4 @@ def test_writing_again_replaces_the_files(run, folder, tmp_path):
 def test_a_folder_that_cannot_be_written_is_refused(run, tmp_path):
     (tmp_path / "blocks").write_text("in the way")
     with pytest.raises(StageError, match=r"cannot write .*; choose another folder or make room there"):
-        write_block_files(run, tmp_path / "blocks")
+        write_block_files(run, 0, tmp_path / "blocks")

@@ -13,21 +13,17 @@ from functools import partial
 from math import ceil, floor
 from pathlib import Path
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.cable.frame_files import FEWEST_FRAMES, Scan, frame_event, frame_name, scan_block, write_frames
 from pipeline.cable.ordering import OrderOptions, travel_fractions
-from pipeline.cable.sources import Image, image_files, is_video, read_frame, read_frames
+from pipeline.cable.sources import image_files, is_video, read_frame
 from pipeline.cable.survey_records import Block, Survey
 from pipeline.core.errors import StageError
-from pipeline.core.events import Emit, Event, part
-from pipeline.core.files import write_png
+from pipeline.core.events import Emit, part
 from pipeline.core.parallel import side_by_side, workers_for
-from pipeline.core.vocabulary import Array, FrameSequence, TravelDirection
-
-FEWEST_FRAMES = 3
-"""Two frames give a model but no check on it."""
+from pipeline.core.vocabulary import Array, FrameSequence
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,15 +45,6 @@ class FrameOptions:
     order: OrderOptions = field(default_factory=OrderOptions)
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Scan:
-    """What one look through a source tells: (n,) sharpness and the image size."""
-
-    sharpness: Array
-    width_px: int
-    height_px: int
-
-
 def extract_frames(
     survey: Survey, options: FrameOptions, folder: Path, emit: Emit
 ) -> tuple[FrameSequence, ...]:
@@ -71,7 +58,7 @@ def extract_frames(
             lens of a block does not fit its images; images without order cannot be put in order.
     """
     workers = workers_for(len(survey.blocks))
-    scans = side_by_side([partial(_scan, block) for block in survey.blocks], emit, workers)
+    scans = side_by_side([partial(scan_block, block) for block in survey.blocks], emit, workers)
     for block, scan in zip(survey.blocks, scans, strict=True):
         block.lens(scan.width_px, scan.height_px)  # tells now, and not stages later, what does not fit
     values = [scan.sharpness for scan in scans]
@@ -107,28 +94,6 @@ def every_frame(block: Block) -> FrameSequence:
         width_px=first.image.shape[1],
         height_px=first.image.shape[0],
     )
-
-
-def frame_name(index: int) -> str:
-    """Name of a video's frame as a file."""
-    return f"{index:06d}.png"
-
-
-def sharpness(image: Image, travel: TravelDirection) -> float:
-    """Sharpness of an image of the cable, comparable between images of one video.
-
-    Variance of the Laplacian (Pech-Pacheco et al., ICPR 2000) over the middle third across the travel, where
-    the cable is, in units of the squared brightness.  The median over eight tiles along the travel, so that
-    one scratch, label or glint does not decide.
-    """
-    grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
-    if travel in (TravelDirection.UP, TravelDirection.DOWN):
-        grey = grey.T
-    third = grey.shape[0] // 3
-    band = cv2.GaussianBlur(np.ascontiguousarray(grey[third : 2 * third + 1]), (0, 0), 1.0)
-    edges = cv2.Laplacian(band, cv2.CV_32F)
-    tiles = zip(np.array_split(edges, 8, axis=1), np.array_split(band, 8, axis=1), strict=True)
-    return float(np.median([edge.var() / (float(part.mean()) + 1.0) ** 2 for edge, part in tiles]))
 
 
 def combined_sharpness(blocks: Sequence[Array]) -> Array:
@@ -212,22 +177,7 @@ def _too_few(left: int, count: int) -> StageError:
     )
 
 
-def _scan(block: Block, emit: Emit) -> _Scan:
-    values, height_px, width_px = [], 0, 0
-    for frame in read_frames(block):
-        values.append(sharpness(frame.image, block.travel_in_image))
-        height_px, width_px = frame.image.shape[:2]
-        emit(_event(block, frame.index + 1, 2 * frame.promised))
-    if len(values) < FEWEST_FRAMES:
-        raise StageError(
-            "frames",
-            f"{block.source} of {block.name} holds {len(values)} frames",
-            f"give at least {FEWEST_FRAMES}",
-        )
-    return _Scan(sharpness=np.array(values), width_px=width_px, height_px=height_px)
-
-
-def _check_counts(blocks: Sequence[Block], scans: Sequence[_Scan]) -> None:
+def _check_counts(blocks: Sequence[Block], scans: Sequence[Scan]) -> None:
     first = len(scans[0].sharpness)
     for block, scan in zip(blocks, scans, strict=True):
         count = len(scan.sharpness)
@@ -245,7 +195,7 @@ def _sequence(
     options: FrameOptions,
     folder: Path,
     block: Block,
-    scan: _Scan,
+    scan: Scan,
     values: Array,
     fractions: Array | None,
     emit: Emit,
@@ -256,11 +206,11 @@ def _sequence(
     else:
         chosen = select_spread(values, fractions, travel_m, options)
     if is_video(block):
-        files = _write_frames(block, chosen, folder / block.name / "frames", emit)
+        files = write_frames(block, scan, chosen, folder / block.name / "frames", emit)
     else:
         every = image_files(block)
         files = tuple(every[index] for index in chosen)
-        emit(_event(block, len(every), len(every)))
+        emit(frame_event(block, len(every), len(every)))
     return FrameSequence(
         block=block.name,
         files=files,
@@ -270,18 +220,3 @@ def _sequence(
         height_px=scan.height_px,
         fractions=None if fractions is None else fractions[chosen],
     )
-
-
-def _write_frames(block: Block, chosen: NDArray[np.int64], folder: Path, emit: Emit) -> tuple[Path, ...]:
-    files = {int(index): folder / frame_name(int(index)) for index in chosen}
-    for frame in read_frames(block):
-        if frame.index in files:
-            write_png(files[frame.index], frame.image, stage="frames")
-        emit(_event(block, frame.promised + frame.index + 1, 2 * frame.promised))
-    for stray in set(folder.glob("[0-9]*.png")) - set(files.values()):
-        stray.unlink()
-    return tuple(files.values())
-
-
-def _event(block: Block, done: int, total: int) -> Event:
-    return Event(stage="frames", done=done, total=total, block=block.name)

@@ -24,6 +24,9 @@ from numpy.typing import NDArray
 
 from pipeline.core.errors import StageError
 
+PLAIN_FRAMES_BYTES = 256 * 2**20
+"""Up to this much a block's frames lie on disk uncompressed."""
+
 
 @contextmanager
 def replacing(path: Path, stage: str = "output") -> Iterator[Path]:
@@ -89,14 +92,24 @@ def write_csv(
 
 
 def write_png(path: Path, image: NDArray[Any], compression: int = 1, stage: str = "output") -> None:
-    """Write an 8- or 16-bit image, (h, w) or (h, w, 3) blue-green-red; compression 1 is fast, 9 small."""
+    """Write an 8- or 16-bit image, (h, w) or (h, w, 3) blue-green-red; compression 0 is none, 9 small."""
     # on pictures of a cable one fixed filter is twice as fast as OpenCV's own choice, and 8 % smaller
-    settings = [cv2.IMWRITE_PNG_COMPRESSION, compression, cv2.IMWRITE_PNG_FILTER, cv2.IMWRITE_PNG_FILTER_UP]
+    filtered = cv2.IMWRITE_PNG_FILTER_UP if compression else cv2.IMWRITE_PNG_FILTER_NONE
+    settings = [cv2.IMWRITE_PNG_COMPRESSION, compression, cv2.IMWRITE_PNG_FILTER, filtered]
     good, data = cv2.imencode(".png", image, settings)
     if not good:
         raise StageError(stage, f"{path} cannot be encoded as PNG", "report this as a fault of the program")
     with replacing(path, stage) as temporary:
         temporary.write_bytes(data.tobytes())
+
+
+def frame_compression(count: int, width_px: int, height_px: int) -> int:
+    """How to write that many colour frames of one block as PNG.
+
+    A short sequence is left uncompressed: written eight times and read five times as fast (2 instead of 11 ms
+    for 960 x 600), and every stage reads it anew.  A long one would fill the disk, at three times the size.
+    """
+    return 0 if 3 * count * width_px * height_px < PLAIN_FRAMES_BYTES else 1
 
 
 def natural_key(path: Path) -> tuple[tuple[str, int], ...]:

@@ -7,6 +7,8 @@ import cv2
 import numpy as np
 import pytest
 
+from pipeline.cable import frame_files
+from pipeline.cable.frame_files import sharpness
 from pipeline.cable.frames import (
     FrameOptions,
     combined_sharpness,
@@ -14,7 +16,6 @@ from pipeline.cable.frames import (
     extract_frames,
     select_frames,
     select_spread,
-    sharpness,
 )
 from pipeline.cable.sources import count_frames, read_frame, read_frames
 from pipeline.cable.survey import survey_from
@@ -85,6 +86,17 @@ def test_a_video_becomes_numbered_images(tmp_path):
         difference = np.abs(cv2.imread(str(path)).astype(int) - picture(k))
         # the codec blurs, but frame k is nearer to picture k than to its neighbours
         assert difference.mean() < 0.5 * np.abs(picture(k + 1).astype(int) - picture(k)).mean()
+
+
+def test_a_video_too_large_to_be_held_is_decoded_again_to_the_same_images(tmp_path, monkeypatch):
+    write_video(tmp_path / "a.mp4", [picture(k) for k in range(6)])
+    survey = survey_of(tmp_path, "a.mp4")
+    extract_frames(survey, EVERY, tmp_path / "held", silent)
+    monkeypatch.setattr(frame_files, "HELD_BYTES", 4 * picture(0).nbytes)
+    extract_frames(survey, EVERY, tmp_path / "again", silent)
+    for file in sorted((tmp_path / "held").rglob("*.png")):
+        again = tmp_path / "again" / file.relative_to(tmp_path / "held")
+        np.testing.assert_array_equal(cv2.imread(str(again)), cv2.imread(str(file)))
 
 
 def test_images_stay_where_they_are_in_natural_order(tmp_path):

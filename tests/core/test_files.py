@@ -83,10 +83,17 @@ def test_bytes_are_written_as_they_are(tmp_path):
     assert files.write_bytes(tmp_path / "deep" / "a.bin", content).read_bytes() == content
 
 
-def test_png_keeps_every_pixel(tmp_path):
+@pytest.mark.parametrize("compression", [0, 1, 9])
+def test_png_keeps_every_pixel(tmp_path, compression):
     image = np.random.default_rng(1).integers(0, 256, (20, 30, 3), dtype=np.uint8)
-    files.write_png(tmp_path / "a.png", image)
+    files.write_png(tmp_path / "a.png", image, compression)
     np.testing.assert_array_equal(cv2.imread(str(tmp_path / "a.png")), image)
+
+
+def test_few_frames_are_left_uncompressed_and_many_are_not():
+    assert files.frame_compression(24, 960, 600) == 0
+    assert files.frame_compression(150, 960, 600) == 0
+    assert files.frame_compression(160, 960, 600) == 1
 
 
 def test_natural_order_counts_as_people_do():

@@ -4,30 +4,32 @@ import json
 import os
 import sys
 import time
+from collections.abc import Mapping
 from dataclasses import asdict
 from typing import TextIO
 
 from pipeline.core.errors import Cancelled
 from pipeline.core.events import Emit, Event, silent
-from pipeline.progress import Progress, ends_stage
+from pipeline.progress import SHARES, Progress, ends_stage
 
 REDRAW_S = 0.1
 BAR = 28
 
 
-def emitter(style: str, blocks: tuple[str, ...]) -> Emit:
+def emitter(style: str, blocks: tuple[str, ...], shares: Mapping[str, float] = SHARES) -> Emit:
     """The progress of a run: "bar", "json" or "none".
 
     Args:
         style: how to tell.
-        blocks: names of the survey's blocks, in order: block-by-block stages count them.
+        blocks: names of the survey's blocks or stations, in order: stages that go one by one count them.
+        shares: rough share of each stage in the work, in its order.
 
     Raises:
         Cancelled: out of what it gives, when the reader of stderr has gone.
     """
     if style == "none":
         return silent
-    return _heard(_json_lines if style == "json" else _Bar(sys.stderr, blocks))
+    return _heard(_json_lines if style == "json" else _Bar(sys.stderr, blocks, shares))
 
 
 def _heard(emit: Emit) -> Emit:
@@ -51,8 +53,8 @@ def _json_lines(event: Event) -> None:
 class _Bar:
     """One line a stage; on a terminal it moves.  What a finished stage has to say follows as a note."""
 
-    def __init__(self, stream: TextIO, blocks: tuple[str, ...]) -> None:
-        self._stream, self._progress = stream, Progress(blocks)
+    def __init__(self, stream: TextIO, blocks: tuple[str, ...], shares: Mapping[str, float]) -> None:
+        self._stream, self._progress = stream, Progress(blocks, shares)
         self._drawn = time.monotonic()
 
     def __call__(self, event: Event) -> None:

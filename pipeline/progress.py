@@ -25,6 +25,18 @@ SHARES = {
 }
 """Rough share of each stage in a run, timed on the scenario sway; only the time left hangs on it."""
 
+STEEL_SHARES = {
+    "clouds": 10.0,
+    "targets": 20.0,
+    "register": 2.0,
+    "compare": 5.0,
+    "tiles": 10.0,
+    "members": 40.0,
+    "measure": 1.0,
+    "report": 5.0,
+}
+"""The same for a steel survey, timed on four stations."""
+
 SETTLE_S = 2.0
 """Nothing is foretold before."""
 

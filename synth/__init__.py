@@ -1,4 +1,4 @@
-"""Synthetic cables with known truth, rendered by Blender: what the pipeline is measured with.
+"""Synthetic cables and steel frames with known truth: what the pipeline is measured with.
 
 Shares records with the pipeline and never a formula: truth comes by an independent hand.
 
@@ -11,6 +11,8 @@ From a specification to a survey (``python -m synth render SPEC.toml OUT``):
 - ``sensor``, ``video``: grey values, and H.264;
 - ``truth``: truth.json, and the survey.toml that claims what the specification lets it claim;
 - ``stamps``, ``files``: what is rendered already is kept.
+
+The other half, ``scan`` (``python -m synth scan SPEC.toml OUT``): a steel space frame and a laser scanner.
 
 From surveys to a verdict: ``suite`` and ``suite_*`` (the benchmark: every scenario and seed rendered,
 reconstructed, evaluated, compared with its target), ``gate`` (a few figures between two bounds, for CI).

@@ -1,4 +1,4 @@
-"""The command line of synth: ``python -m synth render | suite``; see ``--help``.
+"""The command line of synth: ``python -m synth render | scan | suite``; see ``--help``.
 
 Progress goes to stderr, the product's name to stdout.  Exit code 0 only when the product is there, 1 for a
 suite with failed cases, 2 for bad input with one sentence, 130 when interrupted.
@@ -42,6 +42,13 @@ def _parser() -> argparse.ArgumentParser:
     render.add_argument("out", type=Path, metavar="OUT")
     render.add_argument("--seed", type=int, help="instead of the specification's")
     render.set_defaults(act=_render)
+    scan = commands.add_parser(
+        "scan", help="scan a steel structure: clouds or targets' lists, survey.toml, truth.json"
+    )
+    scan.add_argument("spec", type=Path, metavar="SPEC.toml")
+    scan.add_argument("out", type=Path, metavar="OUT")
+    scan.add_argument("--seed", type=int, help="instead of the specification's")
+    scan.set_defaults(act=_scan)
     suite = commands.add_parser("suite", help="render, reconstruct and evaluate scenarios with several seeds")
     suite.add_argument("spec", type=Path, nargs="*", metavar="SPEC.toml", help="default: all of specs/bench")
     suite.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3], metavar="SEED")
@@ -58,7 +65,7 @@ def _parser() -> argparse.ArgumentParser:
         "--docs", type=Path, metavar="DOCS", help="write DOCS/benchmark.md and its plots, of these seeds"
     )
     suite.set_defaults(act=_suite)
-    for command in (render, suite):
+    for command in (render, scan, suite):
         command.add_argument("--events", choices=["json"], help="progress as one JSON event a line on stderr")
         command.add_argument("--quiet", action="store_true", help="no progress")
     return parser
@@ -75,6 +82,22 @@ def _render(options: argparse.Namespace) -> int:
     from synth.render import render_survey  # bpy takes seconds to load: only for a good specification
 
     print(render_survey(spec, options.out, _emitter(options)))
+    return 0
+
+
+def _scan(options: argparse.Namespace) -> int:
+    from synth.scan.run import scan_survey
+    from synth.scan.spec import read_scan_spec
+
+    spec = read_scan_spec(options.spec)
+    if options.seed is not None:
+        _refuse_negative([options.seed])
+        spec = replace(spec, seed=options.seed)
+    scanned = scan_survey(spec, options.out, _emitter(options))
+    if scanned.rays:
+        speed = f"{scanned.rays} rays, {scanned.points} points, {scanned.rays / scanned.seconds:.0f} rays/s"
+        print(speed, file=sys.stderr)
+    print(scanned.survey)
     return 0
 
 

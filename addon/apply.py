@@ -12,7 +12,8 @@ from pipeline.cable.survey_records import Block
 from pipeline.cable.survey_writer import survey_toml
 from pipeline.core.options import build
 
-from .properties.survey import CableTwinBlock, CableTwinSurvey
+from .properties.block import CableTwinBlock
+from .properties.survey import CableTwinSurvey
 
 
 def open_survey(scene: bpy.types.Scene, path: Path) -> Survey:

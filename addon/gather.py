@@ -18,7 +18,8 @@ from pipeline.cable.survey import Survey, survey_from
 from pipeline.core.errors import StageError
 from pipeline.core.options import build
 
-from .properties.survey import CableTwinBlock, CableTwinSurvey
+from .properties.block import CableTwinBlock
+from .properties.survey import CableTwinSurvey
 
 if TYPE_CHECKING:
     from pipeline.cable.crop import CropOptions

@@ -37,6 +37,8 @@ def gather_pairs(mosaic: CableTwinMosaic, blocks: Sequence[str]) -> list["HandPa
             block_b=blocks.index(pair.block_b),
             point_a=tuple(pair.point_a),
             point_b=tuple(pair.point_b),
+            adjustment_a=pair.adjustment_a,
+            adjustment_b=pair.adjustment_b,
         )
         for pair in mosaic.pairs
     ]
@@ -57,7 +59,16 @@ def add_pairs(
         item = mosaic.pairs.add()
         item.block_a, item.block_b = blocks[pair.block_a], blocks[pair.block_b]
         item.point_a, item.point_b = pair.point_a, pair.point_b
+        item.adjustment_a, item.adjustment_b = pair.adjustment_a, pair.adjustment_b
         item.found = found
+
+
+def outdated(scene: bpy.types.Scene) -> list[bool]:
+    """For each pair of the list whether it was picked before one of its blocks was adjusted anew."""
+    data = scene.cabletwin
+    now = {block.name: block.adjustment for block in data.results.blocks}
+    ends = [((p.block_a, p.adjustment_a), (p.block_b, p.adjustment_b)) for p in data.mosaic.pairs]
+    return [any(picked and now.get(block) not in (None, picked) for block, picked in two) for two in ends]
 
 
 def pairs_words(scene: bpy.types.Scene, folder: Path) -> list[str]:

@@ -16,9 +16,7 @@ from pipeline.core.errors import StageError
 from pipeline.core.events import Event
 
 from .library import environment
-
-PATIENCE_S = 2.0
-"""A process that was asked to stop and still runs after this is ended."""
+from .processes import PATIENCE_S, ask_to_stop, end, start_options
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +60,7 @@ class Job:
                     stdin=subprocess.DEVNULL,
                     stdout=out,
                     stderr=errors,
-                    creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
+                    **start_options(),
                 )
         except OSError as error:
             raise StageError(
@@ -92,7 +90,7 @@ class Job:
     def stop(self) -> None:
         """Ask the process to end; it keeps what is finished."""
         if self.running():
-            self._process.terminate()
+            ask_to_stop(self._process)
 
     def kill(self) -> None:
         """End it for good, and wait until it is gone."""
@@ -100,8 +98,7 @@ class Job:
         try:
             self._process.wait(PATIENCE_S)
         except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
+            end(self._process)
         atexit.unregister(self.kill)
 
     def outcome(self) -> Outcome:

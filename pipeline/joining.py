@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from pipeline.cable.mosaic import Mosaic, MosaicBlock, PointPairs, mosaic_blocks, residuals_mm
-from pipeline.cable.pairs import HandPair, check_pairs, group_pairs
+from pipeline.cable.pairs import HandPair, adjustment_stamp, check_adjustments, check_pairs, group_pairs
 from pipeline.cable.ring import align
 from pipeline.core.errors import StageError
 from pipeline.core.events import silent
@@ -46,13 +46,15 @@ def join_run(run: OpenedRun, pairs: Sequence[HandPair] | None) -> Joined:
         pairs: chosen by hand; the first of each two blocks is held together.  None joins automatically.
 
     Raises:
-        StageError: a block is not cropped yet, there are no pairs, or one lies off its block.
+        StageError: a block is not cropped yet, there are no pairs, one was picked before the blocks were
+            adjusted anew, or lies off its block.
     """
     blocks = _blocks(run)
     given = None if pairs is None else group_pairs(pairs)
     if given is not None:
         if not given:
             raise StageError("mosaic", "there are no pairs", "pick one for each two neighbours")
+        check_adjustments(Path(PAIRS_FILE), pairs or (), [b.name for b in run.blocks], _stamps(run))
         check_pairs(Path(PAIRS_FILE), given, blocks)
     mosaic = _mosaic(run, blocks, given)
     alignment = align(blocks, mosaic)
@@ -75,13 +77,15 @@ def closing_pairs(run: OpenedRun, pairs: Sequence[HandPair]) -> tuple[HandPair, 
         StageError: a block is not cropped yet, or there is nothing to add.
     """
     known = {(p.first, p.second) for p in group_pairs(pairs)}
-    joins = _mosaic(run, _blocks(run), None).joins
+    joins, stamps = _mosaic(run, _blocks(run), None).joins, _stamps(run)
     found = tuple(
         HandPair(
             block_a=j.first,
             block_b=j.second,
             point_a=(float(j.held[0, 0]), float(j.held[0, 1]), float(j.held[0, 2])),
             point_b=(float(j.held[1, 0]), float(j.held[1, 1]), float(j.held[1, 2])),
+            adjustment_a=stamps[j.first],
+            adjustment_b=stamps[j.second],
         )
         for j in joins
         if (j.first, j.second) not in known
@@ -89,6 +93,11 @@ def closing_pairs(run: OpenedRun, pairs: Sequence[HandPair]) -> tuple[HandPair, 
     if not found and not joins:
         raise StageError("mosaic", "no marks that two blocks share were found", "pick pairs by hand")
     return found
+
+
+def _stamps(run: OpenedRun) -> list[str]:
+    """Of each block; "" where it is not adjusted yet."""
+    return ["" if b.orientation is None else adjustment_stamp(b.orientation) for b in run.blocks]
 
 
 def _mosaic(run: OpenedRun, blocks: tuple[MosaicBlock, ...], given: tuple[PointPairs, ...] | None) -> Mosaic:

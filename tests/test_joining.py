@@ -34,7 +34,9 @@ def run(joined_blocks):
 
 
 def opened(block, crop):
-    datum = SimpleNamespace(datum_origin=block.datum_origin, datum_information=block.datum_information)
+    datum = SimpleNamespace(
+        datum_origin=block.datum_origin, datum_information=block.datum_information, poses=1.0, lens=2.0
+    )
     known = {
         "frames": SimpleNamespace(block=block.name),
         "orientation": datum,
@@ -112,3 +114,17 @@ def test_a_block_without_its_crop_is_refused(run, pairs):
     bare = replace(run, blocks=(replace(run.blocks[0], crop=None),))
     with pytest.raises(StageError, match="Block0 is not cropped yet; run the reconstruction first"):
         join_run(bare, pairs)
+
+
+def test_pairs_picked_before_a_block_was_adjusted_anew_are_refused(run, pairs):
+    added = closing_pairs(run, ())
+    assert join_run(run, added).mosaic.joins  # of this adjustment
+    again = replace(
+        run.blocks[1], orientation=SimpleNamespace(**{**vars(run.blocks[1].orientation), "poses": 1.5})
+    )
+    moved = replace(run, blocks=(run.blocks[0], again, *run.blocks[2:]))
+    with pytest.raises(
+        StageError, match=r"pair 1 of pairs.csv was picked on Block90 before it was adjusted anew"
+    ):
+        join_run(moved, added)
+    assert join_run(moved, pairs).mosaic.joins  # without a stamp nothing is known

@@ -2,9 +2,25 @@
 
 import bpy
 
-from . import crop, export, lens, measure, mosaic, mosaic_pairs, pos, reconstruct, results, survey, synthesise
+from . import (
+    crop,
+    export,
+    lens,
+    measure,
+    mosaic,
+    mosaic_pairs,
+    mosaic_pick,
+    pos,
+    reconstruct,
+    results,
+    survey,
+    synthesise,
+)
 
-_MODULES = (survey, lens, pos, reconstruct, results, crop, mosaic, mosaic_pairs, measure, export, synthesise)
+_MODULES = (
+    *(survey, lens, pos, reconstruct, results, crop),
+    *(mosaic, mosaic_pairs, mosaic_pick, measure, export, synthesise),
+)
 _CLASSES = tuple(c for m in _MODULES for c in m.classes)
 
 register, unregister = bpy.utils.register_classes_factory(_CLASSES)

@@ -4,6 +4,8 @@ import bpy
 
 from pipeline.core.errors import Cancelled, StageError
 
+from ..wording import framed
+
 
 class Operator(bpy.types.Operator):
     """An operator whose ``work`` may raise StageError; not registered itself."""
@@ -13,7 +15,7 @@ class Operator(bpy.types.Operator):
         try:
             self.work(context)
         except StageError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, framed(str(error)))
             return {"CANCELLED"}
         except Cancelled:
             self.report({"INFO"}, "Cancelled")
@@ -23,3 +25,9 @@ class Operator(bpy.types.Operator):
     def work(self, context: bpy.types.Context) -> None:
         """Gather, call, apply."""
         raise NotImplementedError
+
+
+def take_out(items: bpy.types.bpy_prop_collection, index: int) -> int:
+    """Remove an item of a list; gives the index of the one to show then, 0 in an empty list."""
+    items.remove(index)
+    return max(min(index, len(items) - 1), 0)

@@ -13,6 +13,8 @@ from pipeline.core.errors import StageError
 from pipeline.progress import SHARES, Progress
 
 from ..jobs import Job
+from ..properties.job import redraw_sidebars
+from ..wording import framed
 from .base import Operator
 
 TICK_S = 0.2
@@ -36,19 +38,33 @@ class Follower:
         self.job, self.shown = job, shown
         self._progress = Progress(blocks, shares)
         self._asked: float | None = None
+        self._told: dict[str, object] = {}
 
     def tick(self) -> bool:
         """Show what is new; False when the job has ended."""
         running = self.job.running()
-        for event in self.job.events():
+        events = self.job.events()
+        for event in events:
             self._progress.take(event)
-            self.shown.stage, self.shown.block = event.stage, event.block
-        self.shown.fraction = self._progress.fraction
+        if events:
+            self._show(stage=events[-1].stage, block=events[-1].block)
         left = self._progress.seconds_left
-        self.shown.seconds_left = -1 if left is None else left
+        self._show(
+            fraction=round(self._progress.fraction, 3),
+            seconds_left=-1.0 if left is None else float(round(left)),
+        )
         if running and self.shown.cancelling:
             self._cancel()
         return running
+
+    def _show(self, **values: object) -> None:
+        """Set what has changed, and draw the panels anew."""
+        changed = {key: value for key, value in values.items() if value != self._told.get(key)}
+        for key, value in changed.items():
+            setattr(self.shown, key, value)
+        self._told |= changed
+        if changed:
+            redraw_sidebars(bpy.context)
 
     def _cancel(self) -> None:
         now = time.monotonic()
@@ -132,7 +148,7 @@ class JobOperator(Operator):
             clear(self._follower.shown)
 
     def _refuse(self, error: StageError) -> set[str]:
-        self.report({"ERROR"}, str(error))
+        self.report({"ERROR"}, framed(str(error)))
         return {"CANCELLED"}
 
     def _follow(self, context: bpy.types.Context) -> Follower:
@@ -147,8 +163,8 @@ class JobOperator(Operator):
         cancelled = shown.cancelling or outcome.code == INTERRUPTED
         clear(shown)
         if outcome.code and not cancelled:
-            shown.failure = outcome.failure
-            self.report({"ERROR"}, outcome.failure)
+            shown.failure = framed(outcome.failure)
+            self.report({"ERROR"}, shown.failure)
             return {"CANCELLED"}
         if outcome.code:
             self.report({"INFO"}, "Cancelled: what is finished is kept")

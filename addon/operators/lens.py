@@ -15,7 +15,7 @@ from pipeline.core.errors import StageError
 from ..gather import gather_blocks
 from ..jobs import Job, pipeline_command
 from ..library import python_executable
-from ..properties.survey import CableTwinBlock
+from ..properties.block import CableTwinBlock
 from ..results.lens_view import editors, refresh_preview
 from .base import Operator
 from .following import JobOperator

@@ -10,13 +10,14 @@ from pipeline.core.errors import StageError
 from pipeline.opened import open_run
 
 from ..jobs import Job
+from ..properties.survey import add_station
 from ..results import collections
 from ..results.deviation import shows_ring
 from ..results.show import show_measurement
 from ..results.sketch import refresh_sketch
 from ..results.stations import provisional_mm
 from ..results.view import look_at
-from .base import Operator
+from .base import Operator, take_out
 from .following import JobOperator
 from .picking import surface_under_mouse, view_under_mouse
 from .results import present_run
@@ -96,12 +97,7 @@ class CABLETWIN_OT_measure_station_add(Operator):
                 f"choose a place between 0 and {end_m:.4f} m",
             )
         keep_stations(scene)
-        number = 1
-        while f"S{number}" in survey.stations:
-            number += 1
-        station = survey.stations.add()
-        station.name, station.position = f"S{number}", self.position
-        survey.station_index = len(survey.stations) - 1
+        add_station(survey, self.position)
         refresh_sketch(scene)
 
     def _say(self, context: bpy.types.Context, text: str | None) -> None:
@@ -136,8 +132,7 @@ class CABLETWIN_OT_measure_station_remove(Operator):
         keep_stations(scene)
         survey = scene.cabletwin.survey
         index = min(max(survey.station_index, 0), len(survey.stations) - 1)
-        survey.stations.remove(index)
-        survey.station_index = max(index - 1, 0)
+        survey.station_index = take_out(survey.stations, index)
         refresh_sketch(scene)
 
 

@@ -11,6 +11,7 @@ from ..gather import gather_blocks, survey_path
 from ..results import collections
 from ..results.paths import pos_of, remove_path, show_path, with_rows
 from ..results.view import frame
+from ..wording import framed
 from .base import Operator
 
 _UNDOABLE = {"REGISTER", "UNDO"}
@@ -93,7 +94,7 @@ class CABLETWIN_OT_pos_show(_BlockOperator):
         context.view_layer.update()  # a new curve's box is wrong until then
         frame(context, scene, collections.SETUP, collections.PATHS)
         if refused:
-            self.report({"WARNING"}, str(refused[0]))
+            self.report({"WARNING"}, framed(str(refused[0])))
 
 
 class CABLETWIN_OT_pos_write(_BlockOperator, ExportHelper):
@@ -146,7 +147,7 @@ def look_at(scene: bpy.types.Scene, name: str, filepath: str) -> str:
         measured = replace(survey.blocks[0], pos=Path(filepath))
         pos_of(replace(survey, blocks=(measured,)), with_rows(frames, match))
     except StageError as error:
-        problem = str(error)
+        problem = framed(str(error))
     scene.cabletwin.pos.take(name, filepath, match, problem)
     return problem
 

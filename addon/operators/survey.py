@@ -9,11 +9,11 @@ from pipeline.cable.survey import survey_from, write_survey
 
 from ..apply import open_survey, remember
 from ..gather import survey_path, survey_values
-from ..properties.survey import add_block
+from ..properties.survey import add_block, add_station
 from ..results.collections import SETUP
 from ..results.sketch import refresh_sketch
 from ..results.view import clear_startup, frame
-from .base import Operator
+from .base import Operator, take_out
 
 _UNDOABLE = {"REGISTER", "UNDO"}
 
@@ -126,8 +126,7 @@ class CABLETWIN_OT_survey_block_remove(Operator):
     def work(self, context: bpy.types.Context) -> None:
         """Remove it and show the one before."""
         survey = context.scene.cabletwin.survey
-        survey.blocks.remove(survey.block_index)
-        survey.block_index = max(min(survey.block_index, len(survey.blocks) - 1), 0)
+        survey.block_index = take_out(survey.blocks, survey.block_index)
         refresh_sketch(context.scene)
 
 
@@ -143,13 +142,7 @@ class CABLETWIN_OT_survey_station_add(Operator):
         """Append it and show it."""
         survey = context.scene.cabletwin.survey
         places = [s.position for s in survey.stations]
-        station = survey.stations.add()
-        number = len(places) + 1
-        while f"S{number}" in survey.stations:
-            number += 1
-        station.name = f"S{number}"
-        station.position = min(max(places) + 0.05, survey.travel) if places else survey.travel / 2
-        survey.station_index = len(places)
+        add_station(survey, min(max(places) + 0.05, survey.travel) if places else survey.travel / 2)
         refresh_sketch(context.scene)
 
 
@@ -170,8 +163,7 @@ class CABLETWIN_OT_survey_station_remove(Operator):
     def work(self, context: bpy.types.Context) -> None:
         """Remove it and show the one before."""
         survey = context.scene.cabletwin.survey
-        survey.stations.remove(survey.station_index)
-        survey.station_index = max(min(survey.station_index, len(survey.stations) - 1), 0)
+        survey.station_index = take_out(survey.stations, survey.station_index)
         refresh_sketch(context.scene)
 
 

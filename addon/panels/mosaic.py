@@ -1,10 +1,12 @@
 """The panel *Mosaic*: pairs of corresponding points, the fit, and how well the blocks meet."""
 
 import bpy
+from bpy.app.translations import pgettext_iface as translated
 from bpy.app.translations import pgettext_n as n_
 
+from ..hand_pairs import outdated
 from ..properties.mosaic import CableTwinMosaic
-from .base import Panel, RowList
+from .base import Panel, RowList, sentence
 
 
 class CABLETWIN_UL_pairs(RowList):
@@ -22,11 +24,12 @@ class CABLETWIN_UL_pairs(RowList):
         index: int = 0,
         flt_flag: int = 0,
     ) -> None:
-        """Whether it is held, its number, the blocks, the residual."""
+        """Whether it is held or outdated, its number, the blocks, the residual."""
         split = layout.split(factor=0.74)
+        sign = "PINNED" if data.held()[index] else "AUTO" if item.found else "DOT"
         split.label(
             text=f"{index + 1}  {item.block_a} – {item.block_b}",
-            icon="PINNED" if data.held()[index] else "AUTO" if item.found else "DOT",
+            icon="ERROR" if outdated(context.scene)[index] else sign,
             translate=False,
         )
         value = split.row()
@@ -52,6 +55,11 @@ class CABLETWIN_PT_mosaic(Panel):
         if mosaic.way == "BY_HAND":
             _blocks(self.layout, scene)
             _pairs(self.layout, mosaic)
+            if any(outdated(scene)):
+                words = translated(
+                    "Some pairs were picked before the blocks were adjusted anew: pick them again"
+                )
+                sentence(self.layout.box(), words, "ERROR")
         row = self.layout.row(align=True)
         row.operator("cabletwin.mosaic_fit", icon="SNAP_ON")
         if mosaic.way == "BY_HAND":

@@ -3,7 +3,7 @@
 import bpy
 from bpy.app.translations import pgettext_iface as translated
 
-from ..properties.survey import CableTwinBlock
+from ..properties.block import CableTwinBlock
 from ..results import collections
 from .base import Panel, RowList, aligned, sentence
 

@@ -2,7 +2,8 @@
 
 import bpy
 
-from ..properties.survey import CableTwinBlock, CableTwinSurvey
+from ..properties.block import CableTwinBlock
+from ..properties.survey import CableTwinSurvey
 from .base import Panel, RowList, aligned
 
 
@@ -49,7 +50,7 @@ class CABLETWIN_PT_survey(Panel):
         column.separator()
         column.prop(survey, "travel")
         column.prop(survey, "travel_sigma_mm")
-        row = column.row(heading="Nominal diameter")
+        row = column.row(heading="Diameter")
         row.prop(survey, "use_diameter", text="")
         value = row.row()
         value.enabled = survey.use_diameter

@@ -2,9 +2,9 @@
 
 import bpy
 
-from . import crop, export, job, lens, measure, mosaic, pos, results, run, survey, synthesise
+from . import block, crop, export, job, lens, measure, mosaic, pos, results, run, survey, synthesise
 
-_MODULES = (survey, lens, pos, run, results, crop, mosaic, measure, export, synthesise, job)
+_MODULES = (block, survey, lens, pos, run, results, crop, mosaic, measure, export, synthesise, job)
 
 
 class CableTwinProperties(bpy.types.PropertyGroup):

@@ -20,6 +20,8 @@ class CableTwinPair(bpy.types.PropertyGroup):
         subtype="XYZ",
         precision=5,
     )
+    adjustment_a: bpy.props.StringProperty(description="Stamp of the first block's adjustment when picked")
+    adjustment_b: bpy.props.StringProperty(description="Stamp of the second block's adjustment when picked")
     residual_mm: bpy.props.FloatProperty(
         name="Residual", description="Distance of the two points as the blocks stand now, millimetres"
     )

@@ -16,6 +16,7 @@ class CableTwinBlockResult(bpy.types.PropertyGroup):
     reprojection_px: bpy.props.FloatProperty(default=-1)
     focal_px: bpy.props.FloatProperty(default=-1)
     division_lambda: bpy.props.FloatProperty()
+    adjustment: bpy.props.StringProperty(description="Stamp of the adjustment that placed the block")
 
 
 class CableTwinStationResult(bpy.types.PropertyGroup):
@@ -46,6 +47,8 @@ class CableTwinResults(bpy.types.PropertyGroup):
 
     def take(self, run: "OpenedRun") -> None:
         """Keep what the panels show of a run."""
+        from pipeline.cable.pairs import adjustment_stamp
+
         report = run.report or {}
         self.folder, self.finished = str(run.folder), run.report is not None
         self.blocks.clear()
@@ -57,6 +60,7 @@ class CableTwinResults(bpy.types.PropertyGroup):
                 item.reprojection_px = block.orientation.reprojection_px
                 item.focal_px = block.orientation.lens.focal_px
                 item.division_lambda = block.orientation.lens.division_lambda
+                item.adjustment = adjustment_stamp(block.orientation)
         self._take_stations(run)
         self._take_truth(report.get("truth") or {})
         self.warnings = "\n".join(report.get("warnings", ()))

@@ -1,36 +1,11 @@
-"""What survey.toml says, as properties: cable, robot, blocks with their lenses, stations."""
+"""What survey.toml says, as properties: cable, robot, stations; a camera is a :mod:`.block`."""
 
 import math
 
 import bpy
 
-
-def _redraw_setup(self: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
-    from ..results.sketch import refresh_sketch
-
-    refresh_sketch(self.id_data)
-
-
-def _redraw_lens(self: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
-    from ..results.lens_view import schedule
-
-    schedule()
-
-
-def _redraw_both(self: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
-    _redraw_setup(self, context)
-    _redraw_lens(self, context)
-
-
-def _lambda_by_hand(self: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
-    # whoever estimates sets what belongs to it afterwards
-    self.property_unset("lambda_sigma")
-    self.property_unset("lambda_from")
-    _redraw_lens(self, context)
-
-
-def _pos_named(self: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
-    self.pos_from = "CSV" if self.pos else "TRAVEL"
+from . import shared
+from .block import CableTwinBlock, redraw_lens, redraw_setup
 
 
 class CableTwinStation(bpy.types.PropertyGroup):
@@ -44,137 +19,10 @@ class CableTwinStation(bpy.types.PropertyGroup):
         min=0,
         precision=4,
         step=1,
-        update=_redraw_setup,
+        update=redraw_setup,
     )
     provisional_mm: bpy.props.FloatProperty(
         description="Diameter of the profile there until the station is measured; 0 unknown"
-    )
-
-
-class CableTwinBlock(bpy.types.PropertyGroup):
-    """One camera, its video and its lens; its ``name`` is the block's."""
-
-    source: bpy.props.StringProperty(
-        name="Video",
-        description="Video of this camera, or a folder of images",
-        subtype="FILE_PATH",
-        update=_redraw_lens,
-    )
-    angle: bpy.props.FloatProperty(
-        name="Angle",
-        description="Place of the camera around the axis: 0 is +X, the right-hand rule about +Y",
-        subtype="ANGLE",
-        unit="ROTATION",
-        step=100,
-        update=_redraw_setup,
-    )
-    travel_in_image: bpy.props.EnumProperty(
-        name="Travel in image",
-        description="Direction of the image in which the robot's travel points",
-        items=(
-            ("right", "Right", "The robot travels towards the right edge"),
-            ("left", "Left", "The robot travels towards the left edge"),
-            ("up", "Up", "The robot travels towards the upper edge"),
-            ("down", "Down", "The robot travels towards the lower edge"),
-        ),
-        update=_redraw_setup,
-    )
-    pos: bpy.props.StringProperty(
-        name="POS file",
-        description="Measured exterior orientation (CSV); empty where it is constructed from the travel",
-        subtype="FILE_PATH",
-        update=_pos_named,
-    )
-    pos_from: bpy.props.EnumProperty(
-        name="POS from",
-        description="Where the exterior orientation of the frames comes from",
-        items=(
-            ("TRAVEL", "Travel", "Constructed from the travel: even steps along the axis, nominal attitude"),
-            ("CSV", "CSV file", "Measured, read from a file"),
-        ),
-    )
-    ordered: bpy.props.BoolProperty(
-        name="In order",
-        description="The images' names follow the travel at even steps",
-        default=True,
-    )
-    focal_in: bpy.props.EnumProperty(
-        name="Focal length in",
-        description="Unit of the focal length",
-        items=(("PX", "Pixels", "In pixels"), ("MM", "Millimetres", "With the width of the sensor")),
-        update=_redraw_both,
-    )
-    focal_px: bpy.props.FloatProperty(
-        name="Focal length", description="In pixels", default=720, min=1, precision=2, update=_redraw_both
-    )
-    focal_mm: bpy.props.FloatProperty(
-        name="Focal length",
-        description="In millimetres",
-        default=4,
-        min=0.01,
-        precision=3,
-        update=_redraw_both,
-    )
-    sensor_width_mm: bpy.props.FloatProperty(
-        name="Sensor width",
-        description="In millimetres",
-        default=5.3,
-        min=0.01,
-        precision=3,
-        update=_redraw_both,
-    )
-    use_principal_point: bpy.props.BoolProperty(
-        name="Principal point",
-        description="Known; else it is taken as the image's centre",
-        update=_redraw_lens,
-    )
-    principal_point_px: bpy.props.FloatVectorProperty(
-        name="Principal point",
-        description="In pixels from the top-left corner",
-        size=2,
-        min=0,
-        precision=2,
-        update=_redraw_lens,
-    )
-    lambda_known: bpy.props.BoolProperty(
-        name="Lambda known", description="A value of the distortion is given; else it is estimated"
-    )
-    division_lambda: bpy.props.FloatProperty(
-        name="Lambda",
-        description="Distortion of the division model; negative is barrel",
-        soft_min=-0.25,
-        soft_max=0.25,
-        precision=5,
-        step=0.1,
-        update=_lambda_by_hand,
-    )
-    lambda_sigma: bpy.props.FloatProperty(
-        name="Sigma of lambda",
-        description="Standard deviation of lambda where it was estimated or calibrated, else 0",
-        precision=5,
-    )
-    lambda_from: bpy.props.EnumProperty(
-        name="Lambda from",
-        description="Where lambda came from",
-        items=(
-            ("HAND", "By hand", "Typed or read from the survey file"),
-            ("EDGES", "The cable's edges", "Estimated from this camera's own video"),
-            ("BOARD", "Chessboard", "Calibrated from pictures of a chessboard"),
-        ),
-    )
-    lambda_radius: bpy.props.EnumProperty(
-        name="Radius in",
-        description="What the radius of lambda is measured in",
-        items=(
-            ("half-diagonal", "Half diagonal", "Of the image"),
-            ("half-width", "Half width", "Of the image"),
-            ("focal", "Focal length", "The focal length"),
-            ("pixel", "Pixels", "A pixel"),
-        ),
-        update=_redraw_lens,
-    )
-    calibrated: bpy.props.BoolProperty(
-        name="Calibrated", description="Focal length and lambda are trusted; else they are starting values"
     )
 
 
@@ -196,7 +44,7 @@ class CableTwinSurvey(bpy.types.PropertyGroup):
         default=0.46,
         min=0,
         precision=4,
-        update=_redraw_setup,
+        update=redraw_setup,
     )
     travel_sigma_mm: bpy.props.FloatProperty(
         name="Its sigma (mm)",
@@ -209,7 +57,7 @@ class CableTwinSurvey(bpy.types.PropertyGroup):
         name="Nominal diameter",
         description="Narrows the search, never enters a result",
         default=True,
-        update=_redraw_setup,
+        update=redraw_setup,
     )
     diameter: bpy.props.FloatProperty(
         name="Diameter",
@@ -219,18 +67,9 @@ class CableTwinSurvey(bpy.types.PropertyGroup):
         default=0.11,
         min=0.001,
         precision=4,
-        update=_redraw_setup,
+        update=redraw_setup,
     )
-    standoff: bpy.props.FloatProperty(
-        name="Stand-off",
-        description="From the centre of a camera to the axis of the cable",
-        subtype="DISTANCE",
-        unit="LENGTH",
-        default=0.3,
-        min=0.001,
-        precision=4,
-        update=_redraw_setup,
-    )
+    standoff: shared.standoff(redraw_setup)
     synchronised: bpy.props.BoolProperty(
         name="Synchronised",
         description="All cameras share one clock: frame k of each is one moment",
@@ -238,7 +77,7 @@ class CableTwinSurvey(bpy.types.PropertyGroup):
     )
     blocks: bpy.props.CollectionProperty(type=CableTwinBlock)
     block_index: bpy.props.IntProperty(
-        name="Block", description="The block that is shown", update=_redraw_lens
+        name="Block", description="The block that is shown", update=redraw_lens
     )
     stations: bpy.props.CollectionProperty(type=CableTwinStation)
     station_index: bpy.props.IntProperty(name="Station", description="The station that is shown")
@@ -258,4 +97,15 @@ def add_block(survey: CableTwinSurvey, count: int = 4) -> CableTwinBlock:
     return block
 
 
-classes = (CableTwinStation, CableTwinBlock, CableTwinSurvey)
+def add_station(survey: CableTwinSurvey, position_m: float) -> CableTwinStation:
+    """A further station, with the first name that is free; it becomes the one that is shown."""
+    number = 1
+    while f"S{number}" in survey.stations:
+        number += 1
+    station = survey.stations.add()
+    station.name, station.position = f"S{number}", position_m
+    survey.station_index = len(survey.stations) - 1
+    return station
+
+
+classes = (CableTwinStation, CableTwinSurvey)

@@ -16,6 +16,7 @@ from pipeline.opened import OpenedBlock, OpenedRun
 
 from ..gather import crop_options, gather_survey
 from ..opened import opened
+from ..wording import framed
 from . import collections
 from .materials import plain_material
 from .meshes import mesh_object
@@ -56,13 +57,13 @@ def refresh_preview(scene: bpy.types.Scene) -> None:
         run = opened(scene)
         for name, keep, error in _crops(scene, run):
             if error is not None:
-                state.message = str(error)
+                state.message = framed(str(error))
             for item in _objects(scene, name):
                 _mark(item, keep)
             share = state.shares.add()
             share.name, share.share = name, float(keep.mean())
     except StageError as error:
-        state.message = str(error)
+        state.message = framed(str(error))
 
 
 def end_preview(scene: bpy.types.Scene) -> None:

@@ -15,6 +15,7 @@ from pipeline.core.errors import StageError
 from pipeline.core.vocabulary import LambdaRadius, Lens
 
 from ..gather import gather_blocks
+from ..wording import framed
 
 if TYPE_CHECKING:
     import numpy as np
@@ -84,7 +85,7 @@ def refresh_due() -> None:
         try:
             refresh_preview(scene)
         except StageError as error:
-            scene.cabletwin.lens.problem = str(error)
+            scene.cabletwin.lens.problem = framed(str(error))
         for area in _areas():
             area.tag_redraw()
 

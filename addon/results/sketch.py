@@ -12,7 +12,7 @@ from mathutils import Matrix
 from pipeline.core.rotations import nominal_pose
 from pipeline.core.vocabulary import TravelDirection
 
-from ..properties.survey import CableTwinBlock
+from ..properties.block import CableTwinBlock
 from . import collections
 from .cameras import SENSOR_MM, world_from_camera
 from .stations import refresh_stations

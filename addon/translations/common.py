@@ -3,6 +3,8 @@
 ZH = {
     "Cancel": "取消",
     "Cancelled": "已取消",
+    "Run": "运行",
+    "{stage}: {cause}. What to do: {remedy}": "{stage}：{cause}。解决办法：{remedy}",
     "Cancelling": "正在取消",
     "Report language": "报告语言",
     "Language in which the report opens": "打开报告时所用的语言",

@@ -70,4 +70,9 @@ ZH = {
     "Residual (mm)": "残差 (mm)",
     "Left over (mm)": "剩余差异 (mm)",
     "Points": "点",
+    "Some pairs were picked before the blocks were adjusted anew: pick them again": (
+        "有些点对是在条带重新平差之前选取的：请重新选取"
+    ),
+    "Stamp of the first block's adjustment when picked": "选取时第一条带平差结果的标识",
+    "Stamp of the second block's adjustment when picked": "选取时第二条带平差结果的标识",
 }

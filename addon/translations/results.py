@@ -12,6 +12,7 @@ ZH = {
     "{} of {}": "{} / {}",
     "Error (px)": "误差 (px)",
     "The report is there": "报告已生成",
+    "Stamp of the adjustment that placed the block": "确定条带位置的平差结果标识",
     "One sentence a line": "每行一句",
     "Setup": "布设",
     "Sparse points": "稀疏点",

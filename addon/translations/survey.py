@@ -38,7 +38,7 @@ ZH = {
     "Place of the camera around the axis: 0 is +X, the right-hand rule about +Y": (
         "相机绕轴线的位置：0 为 +X 方向，绕 +Y 按右手法则"
     ),
-    "Travel in image": "影像中的行进方向",
+    "Travel in image": "影像行进方向",
     "Direction of the image in which the robot's travel points": "机器人行进方向在影像中的指向",
     "Right": "右",
     "The robot travels towards the right edge": "机器人向影像右边缘行进",

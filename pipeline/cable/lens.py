@@ -20,7 +20,7 @@ from pipeline.cable.silhouette import Silhouette, find_silhouette
 from pipeline.core.division import check, pixels_to_rays, radius_unit_px, undistorted_lens, undistortion_maps
 from pipeline.core.errors import StageError
 from pipeline.core.events import Emit, Event
-from pipeline.core.files import write_png
+from pipeline.core.files import frame_compression, write_png
 from pipeline.core.pictures import read_colour
 from pipeline.core.vocabulary import FrameSequence, Lens, TravelDirection
 
@@ -104,6 +104,7 @@ def undistort_frames(
     """
     pinhole = undistorted_lens(lens)
     maps = undistortion_maps(lens, pinhole)
+    compression = frame_compression(len(frames), pinhole.width_px, pinhole.height_px)
     files = []
     for done, file in enumerate(frames.files):
         emit(Event(stage="undistort", done=done, total=len(frames), block=frames.block))
@@ -111,7 +112,7 @@ def undistort_frames(
             read_colour(file, "undistort"), *maps, cv2.INTER_CUBIC, borderMode=cv2.BORDER_CONSTANT
         )
         files.append(folder / f"{file.stem}.png")
-        write_png(files[-1], image, stage="undistort")
+        write_png(files[-1], image, compression, stage="undistort")
     emit(Event(stage="undistort", done=len(frames), total=len(frames), block=frames.block))
     undistorted = replace(frames, files=tuple(files), width_px=pinhole.width_px, height_px=pinhole.height_px)
     return undistorted, pinhole

@@ -2,7 +2,8 @@
 
 CSV with the columns block_a, x_a, y_a, z_a, block_b, x_b, y_b, z_b: two blocks and the same mark on both, in
 metres, as the blocks' own meshes (``blocks/NAME/mesh.ply``) show it.  The first line of each two blocks is
-the pair that is held together; further lines help.
+the pair that is held together; further lines help.  Two more columns may follow, adjustment_a and
+adjustment_b: which adjustment had placed the blocks when the marks were picked.
 """
 
 import csv
@@ -14,11 +15,15 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import cKDTree
 
+from pipeline.cable.adjust import Orientation
 from pipeline.cable.mosaic import MosaicBlock, PointPairs
 from pipeline.core.errors import StageError
 from pipeline.core.files import write_csv
+from pipeline.core.store import stamp
 
 COLUMNS = ("block_a", "x_a", "y_a", "z_a", "block_b", "x_b", "y_b", "z_b")
+ADJUSTMENTS = ("adjustment_a", "adjustment_b")
+"""Columns that may be missing: a person who writes the file by hand knows no stamps."""
 
 FARTHEST_M = 0.02
 """A point farther than this from its block's surface is a slip, not a mark at its edge."""
@@ -31,16 +36,25 @@ class HandPair:
     Attributes:
         block_a, block_b: numbers of two blocks, in any order.
         point_a, point_b: (x, y, z), metres as the blocks stand.
+        adjustment_a, adjustment_b: stamp of the adjustment that placed the block (:func:`adjustment_stamp`);
+            "" unknown.
     """
 
     block_a: int
     block_b: int
     point_a: tuple[float, float, float]
     point_b: tuple[float, float, float]
+    adjustment_a: str = ""
+    adjustment_b: str = ""
 
 
-def read_pairs(path: Path, blocks: tuple[str, ...]) -> tuple[PointPairs, ...]:
-    """Read the pairs.
+def adjustment_stamp(orientation: Orientation) -> str:
+    """Short digest of where a block's cameras stand and how they see: equal for an equal adjustment only."""
+    return stamp(orientation.poses, orientation.lens)[:12]
+
+
+def read_pairs(path: Path, blocks: tuple[str, ...]) -> tuple[HandPair, ...]:
+    """Read the pairs, line by line.
 
     Args:
         path: the file.
@@ -65,8 +79,18 @@ def read_pairs(path: Path, blocks: tuple[str, ...]) -> tuple[PointPairs, ...]:
             raise StageError("mosaic", f"line {line} of {path} pairs a block with itself", "name two blocks")
         points = [[_number(path, line, row, f"{axis}_{side}") for axis in "xyz"] for side in "ab"]
         (xa, ya, za), (xb, yb, zb) = points
-        found.append(HandPair(block_a=first, block_b=second, point_a=(xa, ya, za), point_b=(xb, yb, zb)))
-    return group_pairs(found)
+        stamps = [(row.get(column) or "").strip() for column in ADJUSTMENTS]
+        found.append(
+            HandPair(
+                block_a=first,
+                block_b=second,
+                point_a=(xa, ya, za),
+                point_b=(xb, yb, zb),
+                adjustment_a=stamps[0],
+                adjustment_b=stamps[1],
+            )
+        )
+    return tuple(found)
 
 
 def write_pairs(path: Path, pairs: Sequence[HandPair], blocks: tuple[str, ...]) -> None:
@@ -76,9 +100,14 @@ def write_pairs(path: Path, pairs: Sequence[HandPair], blocks: tuple[str, ...]) 
         StageError: the file cannot be written.
     """
     rows = [
-        [blocks[p.block_a], *map(float, p.point_a), blocks[p.block_b], *map(float, p.point_b)] for p in pairs
+        [
+            *(blocks[p.block_a], *map(float, p.point_a)),
+            *(blocks[p.block_b], *map(float, p.point_b)),
+            *(p.adjustment_a, p.adjustment_b),
+        ]
+        for p in pairs
     ]
-    write_csv(path, COLUMNS, rows, "mosaic")
+    write_csv(path, (*COLUMNS, *ADJUSTMENTS), rows, "mosaic")
 
 
 def group_pairs(pairs: Iterable[HandPair]) -> tuple[PointPairs, ...]:
@@ -98,6 +127,29 @@ def group_pairs(pairs: Iterable[HandPair]) -> tuple[PointPairs, ...]:
         )
         for (first, second), pairs in sorted(found.items())
     )
+
+
+def check_adjustments(
+    path: Path, pairs: Sequence[HandPair], blocks: Sequence[str], stamps: Sequence[str]
+) -> None:
+    """Refuse marks that were picked before the blocks were adjusted anew: they lie elsewhere by now.
+
+    Args:
+        path: the file, for the message.
+        pairs: as read from it; those without a stamp pass.
+        blocks, stamps: names and present :func:`adjustment_stamp` of the blocks, in the survey's order.
+
+    Raises:
+        StageError: a pair is of another adjustment.
+    """
+    for number, pair in enumerate(pairs, start=1):
+        for block, picked in ((pair.block_a, pair.adjustment_a), (pair.block_b, pair.adjustment_b)):
+            if picked and picked != stamps[block]:
+                raise StageError(
+                    "mosaic",
+                    f"pair {number} of {path} was picked on {blocks[block]} before it was adjusted anew",
+                    "pick it again on the new mesh, or join the blocks automatically",
+                )
 
 
 def check_pairs(path: Path, pairs: tuple[PointPairs, ...], blocks: tuple[MosaicBlock, ...]) -> None:

@@ -10,7 +10,13 @@ from pipeline.cable.closing import ClosingBlock, SharedMarks, find_shared_marks
 from pipeline.cable.joint import JointBlock, RingOrientation, adjust_ring
 from pipeline.cable.measure import Measurement, measure_ring
 from pipeline.cable.mosaic import Mosaic, MosaicBlock, PointPairs, mosaic_blocks
-from pipeline.cable.pairs import check_pairs, read_pairs
+from pipeline.cable.pairs import (
+    adjustment_stamp,
+    check_adjustments,
+    check_pairs,
+    group_pairs,
+    read_pairs,
+)
 from pipeline.cable.pos import robot_priors, travel_share_sigma
 from pipeline.cable.ring import Ring, build_ring
 from pipeline.cable.uncertainty import Uncertainty
@@ -93,7 +99,10 @@ class RingStages(BlockStages):
         def make() -> Mosaic:
             given: tuple[PointPairs, ...] | None = None
             if pairs:
-                given = read_pairs(pairs, names)
+                picked = read_pairs(pairs, names)
+                stamps = [adjustment_stamp(self._oriented(n).value) for n in range(len(names))]
+                check_adjustments(pairs, picked, names, stamps)
+                given = group_pairs(picked)
                 check_pairs(pairs, given, self._joined())
             settled = self._value("joint").covariance if self.made["joint"] else None
             return mosaic_blocks(self._joined(), given, settled, self._options.mosaic, self._emit)

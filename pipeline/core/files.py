@@ -10,6 +10,7 @@ import json
 import os
 import re
 import shutil
+import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, is_dataclass
@@ -23,6 +24,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.core.errors import StageError
+
+RETRIES_S = (0.05, 0.1, 0.2, 0.4, 0.8)
+"""Pauses on Windows before a file that is open elsewhere is replaced after all."""
+
+_ACCESS_DENIED, _SHARING_VIOLATION = 5, 32
+"""Windows' own numbers for a file that another program has open."""
 
 PLAIN_FRAMES_BYTES = 256 * 2**20
 """Up to this much a block's frames lie on disk uncompressed."""
@@ -44,7 +51,7 @@ def replacing(path: Path, stage: str = "output") -> Iterator[Path]:
         yield temporary
         if temporary.is_dir() and path.is_dir():
             shutil.rmtree(path)
-        os.replace(temporary, path)
+        put_in_place(temporary, path)
     except OSError as error:
         where = path if error.filename is None else Path(error.filename)
         if where != path.parent and path.parent not in where.parents and where not in path.parents:
@@ -57,10 +64,33 @@ def replacing(path: Path, stage: str = "output") -> Iterator[Path]:
             _remove(temporary)
 
 
+def put_in_place(
+    temporary: Path, path: Path, pauses_s: tuple[float, ...] = RETRIES_S if os.name == "nt" else ()
+) -> None:
+    """Rename over what stands there; where another program has it open, try again after each pause.
+
+    Windows refuses to replace a file that is open, and virus scanners open each new one for a moment.
+
+    Raises:
+        OSError: it cannot be renamed, or after the last pause is still open.
+    """
+    for pause_s in pauses_s:
+        try:
+            os.replace(temporary, path)
+        except PermissionError:
+            time.sleep(pause_s)
+        else:
+            return
+    os.replace(temporary, path)
+
+
 def unwritable(path: Path, error: OSError, stage: str = "output") -> StageError:
     """Say that a place cannot be written, and why."""
     reason = (error.strerror or str(error)).lower()
-    return StageError(stage, f"cannot write {path} ({reason})", "choose another folder or make room there")
+    remedy = "choose another folder or make room there"
+    if getattr(error, "winerror", None) in (_ACCESS_DENIED, _SHARING_VIOLATION) and path.exists():
+        remedy = "close the program that has it open, or choose another folder"
+    return StageError(stage, f"cannot write {path} ({reason})", remedy)
 
 
 def write_text(path: Path, text: str, stage: str = "output") -> None:

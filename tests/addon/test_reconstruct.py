@@ -112,6 +112,24 @@ def test_events_come_once_and_in_order_however_the_lines_are_cut(tmp_path):
     assert running.outcome().code == 0
 
 
+def test_a_tick_with_a_flood_of_events_holds_the_interface_for_less_than_a_twentieth_of_a_second(tmp_path):
+    jobs, following = library("jobs"), library("operators.following")
+    python = library("library").python_executable()
+    event = '{"stage": "match", "done": 1, "total": 6, "block": "B", "message": ""}'
+    code = f"import sys\nfor k in range(1000): sys.stderr.write({event!r} + chr(10))"
+    follower = following.Follower(jobs.Job([str(python), "-c", code], tmp_path / "log.jsonl"), ("B",), job())
+    while follower.job.running():
+        time.sleep(0.01)
+    took = []
+    for _ in range(2):
+        began = time.process_time()
+        assert not follower.tick()
+        took.append(time.process_time() - began)
+    assert (job().stage, job().block) == ("match", "B")
+    following.clear(job())
+    assert 0 < took[1] < took[0] < 0.05
+
+
 def test_the_log_is_shown_in_full_after_a_failure(scene, tmp_path):
     (tmp_path / "block2.mp4").write_bytes(b"no video at all")
     with pytest.raises(RuntimeError):

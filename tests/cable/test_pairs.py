@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pipeline.cable.pairs import HandPair, read_pairs, write_pairs
+from pipeline.cable.pairs import HandPair, check_adjustments, group_pairs, read_pairs, write_pairs
 from pipeline.core.errors import StageError
 
 BLOCKS = ("Block1", "Block2", "Block3")
@@ -17,6 +17,10 @@ def write(folder, *lines, header=HEADER, encoding="utf-8"):
     return path
 
 
+def grouped(path):
+    return group_pairs(read_pairs(path, BLOCKS))
+
+
 def refusal(path):
     with pytest.raises(StageError) as told:
         read_pairs(path, BLOCKS)
@@ -24,7 +28,7 @@ def refusal(path):
 
 
 def test_a_pair_is_read_as_it_was_written(tmp_path):
-    (pair,) = read_pairs(write(tmp_path, GOOD), BLOCKS)
+    (pair,) = grouped(write(tmp_path, GOOD))
     assert (pair.first, pair.second) == (0, 1)
     np.testing.assert_array_equal(pair.points_first, [[0.01, 0.2, -0.03]])
     np.testing.assert_array_equal(pair.points_second, [[0.04, 0.25, -0.06]])
@@ -32,7 +36,7 @@ def test_a_pair_is_read_as_it_was_written(tmp_path):
 
 def test_pairs_of_the_same_two_blocks_come_together_in_their_order(tmp_path):
     lines = ("Block2,1,2,3,Block3,4,5,6", GOOD, "Block2,7,8,9,Block3,10,11,12")
-    first, second = read_pairs(write(tmp_path, *lines), BLOCKS)
+    first, second = grouped(write(tmp_path, *lines))
     assert (first.first, first.second, len(first.points_first)) == (0, 1, 1)
     assert (second.first, second.second) == (1, 2)
     np.testing.assert_array_equal(second.points_first, [[1, 2, 3], [7, 8, 9]])
@@ -40,7 +44,7 @@ def test_pairs_of_the_same_two_blocks_come_together_in_their_order(tmp_path):
 
 
 def test_either_block_may_stand_first(tmp_path):
-    (pair,) = read_pairs(write(tmp_path, GOOD, "Block2,4,5,6,Block1,1,2,3"), BLOCKS)
+    (pair,) = grouped(write(tmp_path, GOOD, "Block2,4,5,6,Block1,1,2,3"))
     assert (pair.first, pair.second) == (0, 1)
     np.testing.assert_array_equal(pair.points_first[1], [1, 2, 3])
     np.testing.assert_array_equal(pair.points_second[1], [4, 5, 6])
@@ -50,7 +54,7 @@ def test_a_spreadsheet_s_mark_at_the_start_spaces_and_further_columns_do_no_harm
     path = write(
         tmp_path, " Block1 , 1 ,2,3, Block3,4,5, 6 ,scratch", header=f"{HEADER},remark", encoding="utf-8-sig"
     )
-    (pair,) = read_pairs(path, BLOCKS)
+    (pair,) = grouped(path)
     assert (pair.first, pair.second) == (0, 2)
     np.testing.assert_array_equal(pair.points_second, [[4, 5, 6]])
 
@@ -121,9 +125,32 @@ def test_pairs_that_were_written_read_back_to_the_last_digit(tmp_path):
         HandPair(block_a=1, block_b=2, point_a=(0.7, 0.8, 0.9), point_b=(1e-9, 2.0, np.float32(0.1))),
     ]
     write_pairs(path, pairs, BLOCKS)
-    (found,) = read_pairs(path, BLOCKS)
+    (found,) = grouped(path)
     assert (found.first, found.second) == (1, 2)
     np.testing.assert_array_equal(found.points_first, [[0.1, 0.2 / 3, 0.3], [0.7, 0.8, 0.9]])
     np.testing.assert_array_equal(
         found.points_second, [[third, 0.2, -third], [1e-9, 2.0, float(np.float32(0.1))]]
     )
+
+
+def test_the_adjustment_that_a_pair_was_picked_on_is_kept(tmp_path):
+    pair = HandPair(
+        block_a=0, block_b=1, point_a=(1, 2, 3), point_b=(4, 5, 6), adjustment_a="aa", adjustment_b="bb"
+    )
+    write_pairs(tmp_path / "pairs.csv", [pair], BLOCKS)
+    assert read_pairs(tmp_path / "pairs.csv", BLOCKS) == (pair,)
+
+
+def test_a_pair_of_an_earlier_adjustment_is_named(tmp_path):
+    path = write(tmp_path, f"{GOOD},aa,bb", f"{GOOD},aa,old", header=f"{HEADER},adjustment_a,adjustment_b")
+    with pytest.raises(StageError) as told:
+        check_adjustments(path, read_pairs(path, BLOCKS), BLOCKS, ("aa", "bb", "cc"))
+    assert str(told.value) == (
+        f"mosaic: pair 2 of {path} was picked on Block2 before it was adjusted anew; "
+        "pick it again on the new mesh, or join the blocks automatically."
+    )
+
+
+def test_a_file_written_by_hand_knows_no_adjustment_and_passes(tmp_path):
+    path = write(tmp_path, GOOD)
+    check_adjustments(path, read_pairs(path, BLOCKS), BLOCKS, ("aa", "bb", "cc"))

@@ -111,3 +111,44 @@ def test_brackets_of_an_existing_folder_are_no_pattern(tmp_path):
     assert files.is_pattern(folder / "*.png")
     assert [path.name for path in files.matching(folder / "*.png")] == ["f2.png", "f10.png"]
     assert files.matching(folder / "*.jpg") == ()
+
+
+def open_elsewhere(monkeypatch, times):
+    """Windows' answer while another program has the file open."""
+    tried, really = [], files.os.replace
+
+    def refuse(source, target):
+        tried.append(target)
+        if len(tried) <= times:
+            raise PermissionError(13, "Access is denied", str(source))
+        really(source, target)
+
+    monkeypatch.setattr(files.os, "replace", refuse)
+    return tried
+
+
+def test_a_file_that_is_open_elsewhere_for_a_moment_is_replaced_when_it_is_free(tmp_path, monkeypatch):
+    (tmp_path / "new").write_text("new")
+    tried = open_elsewhere(monkeypatch, times=2)
+    files.put_in_place(tmp_path / "new", tmp_path / "old", pauses_s=(0.0, 0.0, 0.0))
+    assert (tmp_path / "old").read_text() == "new"
+    assert len(tried) == 3
+
+
+def test_a_file_that_stays_open_elsewhere_is_given_up_after_the_last_pause(tmp_path, monkeypatch):
+    (tmp_path / "new").write_text("new")
+    tried = open_elsewhere(monkeypatch, times=9)
+    with pytest.raises(PermissionError):
+        files.put_in_place(tmp_path / "new", tmp_path / "old", pauses_s=(0.0, 0.0))
+    assert len(tried) == 3
+
+
+def test_a_file_that_is_open_elsewhere_is_told_with_its_way_out(tmp_path):
+    place = tmp_path / "diameters.csv"
+    place.write_text("in a spreadsheet")
+    error = PermissionError(13, "Access is denied")
+    error.winerror = 32  # only Windows sets it
+    assert str(files.unwritable(place, error)) == (
+        f"output: cannot write {place} (access is denied); "
+        "close the program that has it open, or choose another folder."
+    )

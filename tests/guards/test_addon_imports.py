@@ -6,7 +6,7 @@ from tests.guards.test_imports import ROOT, imports, offences, sources
 
 HEAVY = {"av", "cv2", "matplotlib", "OpenEXR", "PIL", "scipy", "trimesh"}
 ELSEWHERE = {"synth", "blend_assets", "tests", "tools"}
-WITHOUT_BLENDER = {"jobs.py"}
+WITHOUT_BLENDER = {"jobs.py", "processes.py"}
 
 
 def root(module):

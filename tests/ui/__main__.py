@@ -11,44 +11,52 @@ import subprocess
 import sys
 from pathlib import Path
 
+from tests.ui import chinese
+
 ROOT = Path(__file__).parents[2]
 OUT = ROOT / "out" / "ui"
+USER = ROOT / "build" / "ui" / "user"
 SPEC = ROOT / "specs" / "gate" / "paper.toml"
 WINDOW = (1600, 1000)
 
 
 def main() -> int:
     """Prepare, walk, tell."""
-    parser = argparse.ArgumentParser(prog="python -m tests.ui", description="Walk the flow in a real window.")
-    parser.add_argument("--blender", default=shutil.which("blender") or "", help="default: blender on PATH")
-    parser.add_argument("--walk", default="walk", help="module of tests/ui with the steps (default walk)")
-    chosen = parser.parse_args()
+    chosen = _parser().parse_args()
     if not chosen.blender:
         print("error: no Blender on PATH; name one: make test-ui BLENDER=/path/to/blender", file=sys.stderr)
         return 1
-    os.environ["BLENDER_USER_RESOURCES"] = str(ROOT / "build" / "ui" / "user")
-    shutil.rmtree(ROOT / "build" / "ui" / "user", ignore_errors=True)
-    (ROOT / "build" / "ui" / "user").mkdir(parents=True)
+    os.environ["BLENDER_USER_RESOURCES"] = str(USER)
+    shutil.rmtree(USER, ignore_errors=True)
+    USER.mkdir(parents=True)
     _call(sys.executable, "-m", "tools.extension", "install", "--blender", chosen.blender)
-    survey = _survey()
+    if chosen.chinese:
+        chinese.rewrite_all(USER / "extensions" / "user_default" / "cabletwin")
+    survey = _survey(chosen.run)
     window = ("--window-geometry", "0", "0", *map(str, WINDOW))
-    words = (
-        "--enable-event-simulate",
-        "--python-exit-code",
-        "1",
-        "--python",
-        ROOT / "tests/ui" / f"{chosen.walk}.py",
-    )
+    script = ROOT / "tests" / "ui" / f"{chosen.walk}.py"
+    words = ("--enable-event-simulate", "--python-exit-code", "1", "--python", script)
     os.environ["BLENDER_GUI_SIZE"] = "{}x{}".format(*WINDOW)
-    walked = subprocess.run(
-        [chosen.blender, "--gpu-backend", "opengl", "-noaudio", *window, *words, "--", survey, OUT]
-    )
+    program = [chosen.blender, "--gpu-backend", "opengl", "-noaudio", *window, *words]
+    walked = subprocess.run([*program, "--", survey, OUT, *chosen.rooms])
     print(f"pictures in {OUT.relative_to(ROOT)}" if walked.returncode == 0 else "error: the walk failed")
     return walked.returncode
 
 
-def _survey() -> Path:
-    """A copy of a small rendered survey, which the walk may write to."""
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m tests.ui", description="Walk the flow in a real window.")
+    parser.add_argument("rooms", nargs="*", metavar="ROOM", help="of the walk; default: all of walk.py")
+    parser.add_argument("--blender", default=shutil.which("blender") or "", help="default: blender on PATH")
+    parser.add_argument(
+        "--walk", default="walk", choices=("walk", "redraw", "pages"), help="what to do there (default walk)"
+    )
+    parser.add_argument("--run", type=Path, help="a finished run of the survey, for redraw, pages, 'opened'")
+    parser.add_argument("--chinese", action="store_true", help="in Chinese, also where Blender has none")
+    return parser
+
+
+def _survey(run: Path | None) -> Path:
+    """A copy of a small rendered survey, and of a run of it, which the walk may write to."""
     rendered = Path(os.environ.get("CABLETWIN_TEST_SURVEY", ROOT / "out" / "ui-survey"))
     if not (rendered / "survey.toml").exists():
         _call(sys.executable, "-m", "synth", "render", SPEC, rendered)
@@ -59,6 +67,8 @@ def _survey() -> Path:
     for file in rendered.iterdir():
         if file.is_file():
             shutil.copy(file, copy)
+    if run is not None:
+        shutil.copytree(run, copy / "run")
     return copy
 
 

@@ -1,6 +1,7 @@
-"""A person at the window, played by simulated events: moves, clicks, types, looks.  Runs inside Blender.
+"""A person's hands and eyes at the window, by simulated events: moves, clicks, types, looks.
 
-Needs ``blender --enable-event-simulate``.  x and y count from the window's lower left corner.
+Needs ``blender --enable-event-simulate``.  x and y count from the window's lower left corner.  Runs inside
+Blender; what to click is :mod:`sidebar`'s matter.
 """
 
 import os
@@ -17,8 +18,7 @@ DIGITS = ("ZERO", "ONE", "TWO", "THREE", "FOUR", "FIVE", "SIX", "SEVEN", "EIGHT"
 KEYS |= {str(k): name for k, name in enumerate(DIGITS)}
 KEYS |= {" ": "SPACE", ".": "PERIOD", ",": "COMMA", "-": "MINUS", "/": "SLASH", "_": "MINUS"}
 
-HEAD_TOP_PX, HEAD_PX = 14, 28
-"""Place of the first panel's head below the sidebar's top, and height of a closed panel, at scale 1."""
+TRIES = 3
 
 Steps = Iterator[float]
 """What a step yields is a pause in seconds, in which Blender draws and handles events."""
@@ -44,6 +44,10 @@ class Driver:
         """The first area of that kind."""
         return next(a for a in self.window.screen.areas if a.type == kind)
 
+    def has_area(self, kind: str) -> bool:
+        """Whether there is one of that kind."""
+        return any(a.type == kind for a in self.window.screen.areas)
+
     def region(self, area: str = "VIEW_3D", kind: str = "UI") -> bpy.types.Region:
         """A region of an area."""
         return next(r for r in self.area(area).regions if r.type == kind)
@@ -59,25 +63,26 @@ class Driver:
         self._at = (int(x), int(y))
         self._event("MOUSEMOVE", "NOTHING")
 
-    def click(self, x: float, y: float, button: str = "LEFTMOUSE") -> Steps:
+    def over(self, area: str = "VIEW_3D", kind: str = "WINDOW", x: float = 0.5, y: float = 0.5) -> Steps:
+        """Put the pointer over a region, at a share of its width and height."""
+        region = self.region(area, kind)
+        self.move(region.x + x * region.width, region.y + y * region.height)
+        yield 0.3
+
+    def click(self, x: float, y: float, *, ctrl: bool = False) -> Steps:
         """Press and release."""
         self.move(x, y)
         yield 0.2
-        self._event(button, "PRESS")
+        self._event("LEFTMOUSE", "PRESS", ctrl=ctrl)
         yield 0.1
-        self._event(button, "RELEASE")
+        self._event("LEFTMOUSE", "RELEASE", ctrl=ctrl)
         yield 0.3
 
-    def drag(self, start: tuple[float, float], end: tuple[float, float]) -> Steps:
-        """Press at the one place and release at the other."""
-        self.move(*start)
-        yield 0.2
-        self._event("LEFTMOUSE", "PRESS")
-        for k in range(1, 6):
-            yield 0.05
-            self.move(*(a + (b - a) * k / 5 for a, b in zip(start, end, strict=True)))
-        yield 0.1
-        self._event("LEFTMOUSE", "RELEASE")
+    def wheel(self, turns: int, *, ctrl: bool = False) -> Steps:
+        """Turn the wheel where the pointer is, down for positive numbers."""
+        for _ in range(abs(turns)):
+            self._event("WHEELDOWNMOUSE" if turns > 0 else "WHEELUPMOUSE", "PRESS", ctrl=ctrl)
+            yield 0.1
         yield 0.3
 
     def key(self, kind: str, *, ctrl: bool = False, shift: bool = False) -> Steps:
@@ -93,63 +98,10 @@ class Driver:
             self._event(KEYS.get(c.lower(), "TEXTINPUT"), "RELEASE")
         yield 0.3
 
-    def sidebar(self, tab: str) -> Steps:
-        """Open the 3D view's sidebar on a tab."""
-        self.area().spaces.active.show_region_ui = True
-        yield from self.wait_for(lambda: self.region().width > 1 and self._has_tabs())
-        self.region().active_panel_category = tab
-        self.region().tag_redraw()
-        yield 0.6
-
-    def _has_tabs(self) -> bool:
-        return self.region().active_panel_category != "UNSUPPORTED"
-
-    def head(self, number: int) -> Steps:
-        """Click the head of a panel of the tab, the first being 0, while all above it are closed."""
-        region, scale = self.region(), bpy.context.preferences.system.ui_scale
-        top = region.y + region.height - HEAD_TOP_PX * scale
-        yield from self.click(region.x + 60 * scale, top - HEAD_PX * scale * number)
-        yield 0.5
-
-    def press(self, what: str, columns: tuple[float, ...] = (0.5, 0.25, 0.75, 0.9)) -> Steps:
-        """Click the button of an operator (a part of its command) or property in the sidebar."""
-        spot = yield from self.find(what, columns)
-        yield from self.click(*spot)
-
-    def find(self, what: str, columns: tuple[float, ...] = (0.5, 0.25, 0.75, 0.9)) -> Iterator[float]:
-        """Centre of a button in the sidebar, scrolled into view where need be; raises LookupError."""
-        area, region = self.area(), self.region()
-        for column in columns:
-            x, hits = region.x + int(region.width * column), []
-            for y in range(region.y + region.height - 4, region.y, -6):
-                self.move(x, y)
-                yield 0.04
-                if self._under_pointer(area, region, what):
-                    hits.append(y)
-                elif hits:
-                    break
-            if hits:
-                return x, (hits[0] + hits[-1]) // 2
-        raise LookupError(f"no button {what!r} in the sidebar")
-
-    def _under_pointer(self, area: bpy.types.Area, region: bpy.types.Region, what: str) -> bool:
-        manager = bpy.context.window_manager
-        with self.override(area, region):
-            if bpy.ops.ui.copy_python_command_button.poll():
-                manager.clipboard = ""
-                bpy.ops.ui.copy_python_command_button()
-                if what in manager.clipboard:
-                    return True
-            under = bpy.context.property
-        return bool(under) and under[1].rpartition(".")[2] == what
-
-    def scroll(self, pixels: int) -> Steps:
-        """Scroll the sidebar down by turning the wheel over it."""
-        region = self.region()
-        self.move(region.x + region.width // 2, region.y + region.height // 2)
-        for _ in range(max(abs(pixels) // 60, 1)):
-            self._event("WHEELDOWNMOUSE" if pixels > 0 else "WHEELUPMOUSE", "PRESS")
-            yield 0.05
+    def retype(self, text: str) -> Steps:
+        """Replace what the field that has the focus holds, which is all chosen at first, and leave it."""
+        yield from self.type(text)
+        yield from self.key("RET")
         yield 0.4
 
     def wait_for(self, condition: Callable[[], bool], seconds: float = 30, every: float = 0.2) -> Steps:
@@ -159,6 +111,17 @@ class Driver:
             if time.monotonic() > end:
                 raise TimeoutError(f"still not so after {seconds} s: {condition}")
             yield every
+
+    def until(self, steps: Callable[[], Steps], condition: Callable[[], bool], seconds: float = 4) -> Steps:
+        """Do it, and do it again where nothing came of it: a busy machine swallows a click now and then."""
+        for _ in range(TRIES):
+            yield from steps()
+            end = time.monotonic() + seconds
+            while time.monotonic() < end:
+                if condition():
+                    return
+                yield 0.1
+        raise TimeoutError(f"nothing came of it {TRIES} times: {condition}")
 
     def shot(self, name: str) -> Steps:
         """A picture of the whole window."""

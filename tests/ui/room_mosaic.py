@@ -1,0 +1,58 @@
+"""A mark on one block, its partner on the next, both by a click on the mesh; then the fit."""
+
+import math
+
+import bpy
+from bpy_extras.view3d_utils import location_3d_to_region_2d
+from driver import Steps
+from mathutils import Vector
+from sidebar import Person
+from state import state
+
+LEFT, RIGHT = (0.28,), (0.62,)
+"""Shares of the sidebar's width at which the two halves of a row lie."""
+
+
+def pick_pairs(person: Person) -> Steps:
+    """Two pairs on Block1 and Block2, which are chosen by name."""
+    yield from person.panel("mosaic")
+    yield from person.until(
+        lambda: person.press("mosaic.way", columns=RIGHT), lambda: state().mosaic.way == "BY_HAND"
+    )
+    for key, name, column in (("block_a", "Block1", LEFT), ("block_b", "Block2", RIGHT)):
+        yield from person.until(
+            lambda words=(f"mosaic.{key}", name, column): person.search(*words),
+            lambda wanted=(key, name): getattr(state().mosaic, wanted[0]) == wanted[1],
+        )
+    yield from person.press("cabletwin.mosaic_look")
+    yield 2.0
+    yield from person.press("cabletwin.mosaic_pick")
+    yield 1.0
+    for y_m in (0.10, 0.20):
+        spot = on_screen(person, "Block1", 45.0, y_m)
+        for _ in range(2):  # the mark on the one block, then through it on the other
+            yield from person.click(*spot)
+            yield 1.5
+    assert len(state().mosaic.pairs) == 2, len(state().mosaic.pairs)
+    yield from person.shot("12-mosaic-pairs")
+    yield from person.key("ESC")
+    yield from person.press("cabletwin.mosaic_fit")
+    yield 2.0
+    assert max(p.residual_mm for p in state().mosaic.pairs) < 0.3
+    yield from person.shot("13-mosaic-fit")
+    yield from person.press("cabletwin.mosaic_show_all")
+    yield from person.until(
+        lambda: person.press("mosaic.way", columns=LEFT), lambda: state().mosaic.way == "AUTOMATIC"
+    )
+    yield from person.panel("mosaic")
+
+
+def on_screen(person: Person, block: str, azimuth_deg: float, y_m: float) -> tuple[float, float]:
+    """Where a place on a block's surface is seen in the window."""
+    item = next(o for o in bpy.data.objects if o.get("cabletwin_block") == block and o.type == "MESH")
+    azimuth, radius_m = math.radians(azimuth_deg), 0.0555
+    place = Vector((radius_m * math.cos(azimuth), y_m, -radius_m * math.sin(azimuth)))
+    view = person.region(kind="WINDOW")
+    turned = person.area().spaces.active.region_3d
+    spot = location_3d_to_region_2d(view, turned, item.matrix_world @ place)
+    return view.x + spot.x, view.y + spot.y

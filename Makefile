@@ -11,7 +11,7 @@ export PYTHONHASHSEED ?= 0
 export MPLBACKEND ?= Agg
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test accuracy lint bench assets extension install-extension test-ui clean
+.PHONY: help setup demo demo-steel test accuracy lint bench assets extension install-extension test-ui clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 26
@@ -23,6 +23,9 @@ setup: .venv/.ready ## make .venv with Python 3.13 and the pinned packages
 
 demo: .venv/.ready ## render a survey, reconstruct it, print the diameters against truth
 	@sh tools/demo.sh specs/demo.toml out/demo
+
+demo-steel: .venv/.ready ## scan a steel frame, register the stations, measure nodes and columns against truth
+	@sh tools/demo_steel.sh specs/steel/small.toml out/demo-steel
 
 test: .venv/.ready ## run the tests
 	@$(PY) -m pytest

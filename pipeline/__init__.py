@@ -1,4 +1,5 @@
-"""CableTwin's pipeline: from the videos of a cable-climbing robot to a measured, textured model.
+"""CableTwin's pipeline: from the videos of a cable-climbing robot to a measured, textured model; from laser
+scans and photos of a steel structure to its nodes, columns and deflection.
 
 The map.  ``python -m pipeline run SURVEY.toml --out RUN`` goes through one call,
 :func:`pipeline.product.make_product`: the stages, then everything a person opens.
@@ -34,6 +35,25 @@ report     everything found                                    RUN/report.html, 
 
 Products of the stages lie in RUN/products, stamped with what they were made from: a run that is started again
 makes what is missing or has changed, nothing else (:mod:`pipeline.core.runfolder`).
+
+The second system (``steel/``), ``python -m pipeline steel SURVEY.toml --out RUN``, through
+:func:`pipeline.steel_product.make_steel_product`:
+
+=========  ==================================================  =============================================
+stage      takes                                               gives
+=========  ==================================================  =============================================
+survey     survey.toml of kind steel                           scanner, targets, stations, columns, limits
+*station by station*
+clouds     E57, LAS, LAZ, PLY, PTS, XYZ                        points in the station frame
+targets    points, or a table written by hand                  sphere targets with covariance
+*all stations*
+register   targets                                             names, poses, one covariance, gross errors
+compare    targets, points                                     the same station by station and by ICP
+tiles      points, poses                                       the registered points, in cubes on disk
+members    tiles                                               rods, columns, ball nodes
+measure    members                                             eccentricities, inclinations, deflection
+report     everything found                                    RUN/report.html, report.json, model, tables
+=========  ==================================================  =============================================
 
 The other rooms:
 

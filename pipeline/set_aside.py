@@ -17,8 +17,10 @@ from pipeline.core.files import unwritable
 OPENED_FILES = (
     *("report.json", "report.html", "diameters.csv", "model.glb", "model.ply", "cloud.ply"),
     *("unrolled.png", "radius_map.npz"),
+    *("stations.csv", "residuals.csv", "nodes.csv", "columns.csv", "deflection.csv"),
+    *("members.glb", "members.ply", "merged.ply"),
 )
-"""Of the whole cable; report.json first, for it stands for a whole product."""
+"""Of the whole cable or structure; report.json first, for it stands for a whole product."""
 
 OUTDATED = "outdated"
 

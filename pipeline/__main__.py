@@ -1,4 +1,4 @@
-"""The command line: ``python -m pipeline run | evaluate | lens``; see ``--help``.
+"""The command line: ``python -m pipeline run | steel | evaluate | lens``; see ``--help``.
 
 Exit code 0 when the product is there, 2 for bad input (one sentence on stderr), 130 when interrupted.
 """
@@ -21,11 +21,18 @@ STAGE_NAMES = (
     *("dense", "surface", "texture", "crop"),
     *("mosaic", "ring", "measure", "report"),
 )
+STEEL_STAGE_NAMES = (
+    *("clouds", "targets", "register", "compare"),
+    *("tiles", "members", "measure"),
+    "report",
+)
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Parse the command line, do what it says, and give the exit code."""
     signal.signal(signal.SIGTERM, _interrupt)
+    if hasattr(signal, "SIGBREAK"):  # what Windows has in its place
+        signal.signal(signal.SIGBREAK, _interrupt)
     chosen = _parser().parse_args(arguments)
     try:
         status: int = chosen.act(chosen)
@@ -48,29 +55,25 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="python -m pipeline", description="Measure a cable from its videos."
+        prog="python -m pipeline",
+        description="Measure a cable from its videos, or a steel structure from scans.",
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    run = commands.add_parser("run", help="the whole chain, from a survey to a measured model; resumes")
-    run.add_argument("survey", type=Path, help="survey.toml")
-    run.add_argument("--out", type=Path, required=True, help="the run folder")
-    run.add_argument("--truth", type=Path, help="truth.json: the report then compares with it")
-    stages = run.add_mutually_exclusive_group()
-    stages.add_argument(
-        "--only", metavar="STAGE", choices=STAGE_NAMES, help="make this stage again, no other"
+    _run_words(commands.add_parser("run", help="the whole chain, from a survey to a measured model; resumes"))
+    steel = (
+        "a large steel structure from laser scans and photos: stations, nodes, columns, deflection; resumes"
     )
-    stages.add_argument(
-        "--from",
-        dest="start",
-        metavar="STAGE",
-        choices=STAGE_NAMES,
-        help="make this stage and all after it again",
-    )
+    _steel_words(commands.add_parser("steel", help=steel))
+    _evaluate_words(commands.add_parser("evaluate", help="compare a run with what is true"))
+    lens = "calibrate a lens from pictures of a chessboard, or estimate it from the cable's edges"
+    _lens_words(commands.add_parser("lens", help=lens))
+    return parser
+
+
+def _run_words(run: argparse.ArgumentParser) -> None:
+    _survey_words(run, STAGE_NAMES)
     run.add_argument(
         "--pairs", type=Path, help="CSV of corresponding points chosen by hand, see docs/survey.md"
-    )
-    run.add_argument(
-        "--set", action="append", default=[], metavar="STAGE.KEY=VALUE", help="set an option; may be repeated"
     )
     run.add_argument(
         "--adjust",
@@ -80,19 +83,47 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--no-lens-correction", action="store_true", help="leave the lens uncorrected, to see the bent model"
     )
-    run.add_argument("--language", choices=("en", "zh"), default="en", help="of the report when it opens")
-    run.add_argument("--events", choices=("bar", "json", "none"), default="bar", help="progress on stderr")
     run.set_defaults(act=_run)
 
-    evaluate = commands.add_parser("evaluate", help="compare a run with what is true")
+
+def _steel_words(steel: argparse.ArgumentParser) -> None:
+    _survey_words(steel, STEEL_STAGE_NAMES)
+    steel.set_defaults(act=_steel)
+
+
+def _survey_words(command: argparse.ArgumentParser, stage_names: tuple[str, ...]) -> None:
+    """What every command takes that goes from a survey to a run folder."""
+    command.add_argument("survey", type=Path, help="survey.toml")
+    command.add_argument("--out", type=Path, required=True, help="the run folder")
+    command.add_argument("--truth", type=Path, help="truth.json: the report then compares with it")
+    stages = command.add_mutually_exclusive_group()
+    stages.add_argument(
+        "--only", metavar="STAGE", choices=stage_names, help="make this stage again, no other"
+    )
+    stages.add_argument(
+        "--from",
+        dest="start",
+        metavar="STAGE",
+        choices=stage_names,
+        help="make this stage and all after it again",
+    )
+    command.add_argument(
+        "--set", action="append", default=[], metavar="STAGE.KEY=VALUE", help="set an option; may be repeated"
+    )
+    command.add_argument("--language", choices=("en", "zh"), default="en", help="of the report when it opens")
+    command.add_argument(
+        "--events", choices=("bar", "json", "none"), default="bar", help="progress on stderr"
+    )
+
+
+def _evaluate_words(evaluate: argparse.ArgumentParser) -> None:
     evaluate.add_argument("run", type=Path, help="the run folder")
     evaluate.add_argument("--truth", type=Path, required=True, help="truth.json")
     evaluate.add_argument("--json", type=Path, help="write all figures there as well")
     evaluate.set_defaults(act=_evaluate)
 
-    lens = commands.add_parser(
-        "lens", help="calibrate a lens from pictures of a chessboard, or estimate it from the cable's edges"
-    )
+
+def _lens_words(lens: argparse.ArgumentParser) -> None:
     lens.add_argument("folder", type=Path, help="folder of pictures; with --block a survey.toml")
     way = lens.add_mutually_exclusive_group(required=True)
     way.add_argument("--chessboard", metavar="9x6", help="inner corners of the board")
@@ -108,7 +139,6 @@ def _parser() -> argparse.ArgumentParser:
     lens.add_argument("--json", type=Path, help="write all that was found there as well")
     lens.add_argument("--events", choices=("bar", "json", "none"), default="none", help="progress on stderr")
     lens.set_defaults(act=_lens)
-    return parser
 
 
 def _run(chosen: argparse.Namespace) -> int:
@@ -136,6 +166,30 @@ def _run(chosen: argparse.Namespace) -> int:
         start=chosen.start,
         only=chosen.only,
         pairs=chosen.pairs,
+        truth=chosen.truth,
+        language=chosen.language,
+    )
+    print(summary)
+    return 0
+
+
+def _steel(chosen: argparse.Namespace) -> int:
+    from pipeline.set_aside import none_if_refused
+    from pipeline.steel.survey import read_steel_survey
+
+    with none_if_refused(chosen.out):
+        survey = read_steel_survey(chosen.survey)
+    from pipeline.console import emitter
+    from pipeline.progress import STEEL_SHARES
+    from pipeline.steel_product import make_steel_product
+
+    summary = make_steel_product(
+        survey,
+        chosen.out,
+        emitter(chosen.events, tuple(s.name for s in survey.stations), STEEL_SHARES),
+        assignments=tuple(chosen.set),
+        start=chosen.start,
+        only=chosen.only,
         truth=chosen.truth,
         language=chosen.language,
     )

@@ -1,4 +1,4 @@
-"""A finished run against the truth: diameters, cameras, lenses, surface, axis, relief.
+"""A finished run against the truth: diameters, cameras, lenses, surface, axis, relief.  Steel: ``steel``.
 
 Takes a run folder and a truth.json (of the synthesizer, or one with the stations alone that a person
 measured); gives an :class:`Evaluation`, a table for the screen and a JSON file.  Reads only what the run
@@ -16,14 +16,16 @@ from pipeline.evaluate.documents import read_document
 from pipeline.evaluate.lenses import compare_lenses
 from pipeline.evaluate.records import Evaluation
 from pipeline.evaluate.relief import compare_relief
+from pipeline.evaluate.steel import evaluate_steel, is_steel
+from pipeline.evaluate.steel.records import SteelEvaluation
 from pipeline.evaluate.surface import compare_surface
 from pipeline.evaluate.table import format_table
 
-__all__ = ["Evaluation", "evaluate", "format_table", "write_evaluation"]
+__all__ = ["Evaluation", "SteelEvaluation", "evaluate", "format_table", "write_evaluation"]
 
 
-def evaluate(run_folder: Path, truth_json: Path) -> Evaluation:
-    """Evaluate a finished run; parts that truth or run does not hold stay None.
+def evaluate(run_folder: Path, truth_json: Path) -> Evaluation | SteelEvaluation:
+    """Evaluate a finished run of either kind; parts that truth or run does not hold stay None.
 
     Raises:
         StageError: a file is missing, or run and truth do not belong together.
@@ -31,6 +33,8 @@ def evaluate(run_folder: Path, truth_json: Path) -> Evaluation:
     if not run_folder.is_dir():
         raise StageError("evaluate", f"{run_folder} is no folder", "give the folder that --out named")
     report, truth = read_document(run_folder / "report.json"), read_document(truth_json)
+    if is_steel(report):
+        return evaluate_steel(report, truth)
     axis = report.inside("axis") if "axis" in report else None
     return Evaluation(
         name=report.text("name"),
@@ -44,7 +48,7 @@ def evaluate(run_folder: Path, truth_json: Path) -> Evaluation:
     )
 
 
-def write_evaluation(evaluation: Evaluation, path: Path) -> None:
+def write_evaluation(evaluation: Evaluation | SteelEvaluation, path: Path) -> None:
     """Write the evaluation as JSON, its records and fields by their names; unknown numbers are null.
 
     Raises:

@@ -1,7 +1,7 @@
 """An evaluation as text for the screen: the paper's Table 2, then cameras, lenses, surface, relief, axis."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 from pipeline.evaluate.records import (
     AxisErrors,
@@ -12,13 +12,18 @@ from pipeline.evaluate.records import (
     ReliefErrors,
     SurfaceErrors,
 )
+from pipeline.evaluate.steel.records import SteelEvaluation
+from pipeline.evaluate.steel.table import format_steel
+from pipeline.evaluate.text import aligned, number
 
 PAPER_MAE_MM = 1.0053
 """Mean absolute error of the paper's Table 2."""
 
 
-def format_table(evaluation: Evaluation) -> str:
+def format_table(evaluation: Evaluation | SteelEvaluation) -> str:
     """Lay out the evaluation in aligned columns; a number that is not known is a dash."""
+    if isinstance(evaluation, SteelEvaluation):
+        return format_steel(evaluation)
     parts = [_diameters(evaluation)]
     if evaluation.cameras is not None:
         parts.append(_cameras(evaluation.cameras))
@@ -28,7 +33,7 @@ def format_table(evaluation: Evaluation) -> str:
         parts.append(_surface(evaluation.surface))
     if evaluation.relief is not None:
         parts.append(_relief(evaluation.relief))
-    axis = [f"Axis: straight within {_number(evaluation.straightness_mm_per_m, 3)} mm per metre"]
+    axis = [f"Axis: straight within {number(evaluation.straightness_mm_per_m, 3)} mm per metre"]
     parts.append(axis if evaluation.axis is None else [*axis, _axis(evaluation.axis)])
     return "\n\n".join("\n".join(lines) for lines in parts) + "\n"
 
@@ -38,20 +43,20 @@ def _diameters(evaluation: Evaluation) -> list[str]:
     rows = [
         [
             row.name,
-            _number(row.position_m, 3),
-            _number(row.model_mm, 3),
-            _number(row.truth_mm, 3),
-            _number(row.difference_mm, 3, sign=True),
-            _number(row.relative_percent, 3),
-            _number(row.sigma_mm, 3),
-            _number(row.z, 1),
+            number(row.position_m, 3),
+            number(row.model_mm, 3),
+            number(row.truth_mm, 3),
+            number(row.difference_mm, 3, sign=True),
+            number(row.relative_percent, 3),
+            number(row.sigma_mm, 3),
+            number(row.z, 1),
         ]
         for row in found.stations
     ]
     head = ["station", "at m", "model mm", "truth mm", "diff mm", "error %", "sigma mm", "z"]
     return [
         f"Diameters of {evaluation.name}",
-        *_aligned(head, rows),
+        *aligned(head, rows),
         f"MAE {found.mean_absolute_mm:.4f} mm, largest {found.largest_mm:.3f} mm "
         f"(the paper's MAE: {PAPER_MAE_MM} mm)",
         *_bases(found),
@@ -63,17 +68,17 @@ def _bases(found: DiameterErrors) -> list[str]:
     rows = [
         [
             row.name,
-            _number(row.base_model_mm, 3),
-            _number(row.base_truth_mm, 3),
-            _number(row.base_difference_mm, 3, sign=True),
-            _number(row.base_sigma_mm, 3),
+            number(row.base_model_mm, 3),
+            number(row.base_truth_mm, 3),
+            number(row.base_difference_mm, 3, sign=True),
+            number(row.base_sigma_mm, 3),
         ]
         for row in found.stations
     ]
     if math.isnan(found.base_mean_absolute_mm):
         return []
     head = ["bare sheath", "model mm", "truth mm", "diff mm", "sigma mm"]
-    return [*_aligned(head, rows), f"MAE of the bare sheath {found.base_mean_absolute_mm:.4f} mm"]
+    return [*aligned(head, rows), f"MAE of the bare sheath {found.base_mean_absolute_mm:.4f} mm"]
 
 
 def _cameras(found: CameraComparison) -> list[str]:
@@ -91,12 +96,12 @@ def _cameras(found: CameraComparison) -> list[str]:
             [
                 row.block,
                 str(row.frames),
-                *(_number(v, 3) for v in (row.radial_mm, row.around_mm, row.along_mm, row.position_mm)),
-                _number(row.attitude_deg, 4),
+                *(number(v, 3) for v in (row.radial_mm, row.around_mm, row.along_mm, row.position_mm)),
+                number(row.attitude_deg, 4),
             ]
             for row in rows
         ]
-        lines += [title, *_aligned(head, table)]
+        lines += [title, *aligned(head, table)]
     return lines
 
 
@@ -104,33 +109,33 @@ def _lenses(found: Sequence[LensErrors]) -> list[str]:
     rows = [
         [
             row.block,
-            _number(row.focal_percent, 3, sign=True),
-            _number(row.lambda_error, 5, sign=True),
-            _number(row.displacement_px, 3),
+            number(row.focal_percent, 3, sign=True),
+            number(row.lambda_error, 5, sign=True),
+            number(row.displacement_px, 3),
         ]
         for row in found
     ]
-    return ["Lenses against truth", *_aligned(["block", "focal %", "lambda", "largest px"], rows)]
+    return ["Lenses against truth", *aligned(["block", "focal %", "lambda", "largest px"], rows)]
 
 
 def _surface(found: SurfaceErrors) -> list[str]:
     rows = [
-        [row.name, *(_number(value, 1) for value in (row.told_deg, row.right_deg, row.overclaimed_deg))]
+        [row.name, *(number(value, 1) for value in (row.told_deg, row.right_deg, row.overclaimed_deg))]
         for row in found.stations
     ]
     return [
         f"Surface: {found.cells} cells, {found.coverage_percent:.1f} % covered, "
-        f"bias {_number(found.bias_mm, 3, sign=True)} mm, noise {_number(found.noise_mm, 3)} mm, "
-        f"95 % within {_number(found.within_95_mm, 3)} mm, {found.wrong_percent:.2f} % wrong",
-        *_aligned(["station", "told deg", "right deg", "overclaimed deg"], rows),
+        f"bias {number(found.bias_mm, 3, sign=True)} mm, noise {number(found.noise_mm, 3)} mm, "
+        f"95 % within {number(found.within_95_mm, 3)} mm, {found.wrong_percent:.2f} % wrong",
+        *aligned(["station", "told deg", "right deg", "overclaimed deg"], rows),
     ]
 
 
 def _axis(found: AxisErrors) -> str:
     return (
-        f"Axis over {found.length_m:.3f} m: bow {_number(found.bow_mm, 3)} mm, in truth "
-        f"{_number(found.true_bow_mm, 3)} mm, diff {_number(found.bow_difference_mm, 3, sign=True)} mm, "
-        f"course within {_number(found.rms_mm, 3)} mm (rms)"
+        f"Axis over {found.length_m:.3f} m: bow {number(found.bow_mm, 3)} mm, in truth "
+        f"{number(found.true_bow_mm, 3)} mm, diff {number(found.bow_difference_mm, 3, sign=True)} mm, "
+        f"course within {number(found.rms_mm, 3)} mm (rms)"
     )
 
 
@@ -138,29 +143,16 @@ def _relief(found: ReliefErrors) -> list[str]:
     rows = [
         [
             row.kind,
-            _number(row.position_m, 3),
-            _number(row.azimuth_deg, 1),
-            _number(row.found_mm, 3),
-            _number(row.truth_mm, 3),
-            _number(row.difference_mm, 3, sign=True),
-            _number(row.sigma_mm, 3),
-            _number(row.away_mm, 1),
+            number(row.position_m, 3),
+            number(row.azimuth_deg, 1),
+            number(row.found_mm, 3),
+            number(row.truth_mm, 3),
+            number(row.difference_mm, 3, sign=True),
+            number(row.sigma_mm, 3),
+            number(row.away_mm, 1),
         ]
         for row in found.entries
     ]
     head = ["relief", "at m", "azimuth deg", "found mm", "truth mm", "diff mm", "sigma mm", "away mm"]
     count = f"missed {found.missed}, false {found.false}, ribs {found.ridges_found} of {found.ridges_true}"
-    return [*_aligned(head, rows), count]
-
-
-def _number(value: float, digits: int, *, sign: bool = False) -> str:
-    if math.isnan(value):
-        return "-"
-    return f"{value:+.{digits}f}" if sign else f"{value:.{digits}f}"
-
-
-def _aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    widths = [max(len(cell) for cell in column) for column in zip(head, *rows, strict=True)]
-    for row in (head, *rows):
-        cells = [row[0].ljust(widths[0]), *(c.rjust(w) for c, w in zip(row[1:], widths[1:], strict=True))]
-        yield "  ".join(cells).rstrip()
+    return [*aligned(head, rows), count]

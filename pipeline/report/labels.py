@@ -1,4 +1,4 @@
-"""Every sentence of the report in English and Chinese.
+"""Every sentence of the reports in English and Chinese; those of steel surveys: ``steel_labels``.
 
 Gives :func:`label`; a key that is not here raises KeyError.  Texts with numbers carry ``{placeholders}``, the
 same ones in both languages.  The Chinese terms are those of the paper.
@@ -6,6 +6,8 @@ same ones in both languages.  The Chinese terms are those of the paper.
 
 from dataclasses import dataclass
 from typing import Literal, get_args
+
+from pipeline.report.steel_labels import STEEL_TEXTS
 
 Language = Literal["en", "zh"]
 LANGUAGES: tuple[Language, ...] = get_args(Language)
@@ -352,4 +354,5 @@ TEXTS: dict[str, tuple[str, str]] = {
         "the direction (cos a, 0, −sin a).",
         "单位米；y 轴为缆索轴线，指向行进方向，首帧处 y = 0；方位角 a 的方向为 (cos a, 0, −sin a)。",
     ),
+    **STEEL_TEXTS,
 }

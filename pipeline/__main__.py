@@ -24,7 +24,7 @@ STAGE_NAMES = (
 STEEL_STAGE_NAMES = (
     *("clouds", "targets", "register", "compare"),
     *("tiles", "members", "measure"),
-    "report",
+    *("photos", "fuse", "report"),
 )
 
 

@@ -33,6 +33,8 @@ STEEL_SHARES = {
     "tiles": 10.0,
     "members": 40.0,
     "measure": 1.0,
+    "photos": 40.0,
+    "fuse": 5.0,
     "report": 5.0,
 }
 """The same for a steel survey, timed on four stations."""

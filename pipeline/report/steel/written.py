@@ -21,10 +21,12 @@ from pipeline.report.steel.collect import collect
 from pipeline.report.steel.document import report_tree
 from pipeline.report.steel.records import SteelReport
 from pipeline.report.steel.spreadsheets import write_spreadsheets
+from pipeline.steel.merged_cloud import write_merged
+from pipeline.steel.scan_cloud import scan_cloud
 from pipeline.steel.steel_run import SteelRun
 
 MERGED = "merged.ply"
-"""Scans and photos in one cloud, where the fusion has written it."""
+"""Scans and photos in one cloud."""
 
 
 def write_steel_run(
@@ -51,15 +53,22 @@ def write_steel_run(
     if found.tiles is not None and len(found.tiles.cells):
         write_cloud(out / "cloud.ply", found.tiles, part(emit, 0.2, 0.7))
         names.append("cloud.ply")
-    if (out / MERGED).is_file():
+    if found.fusion is not None and found.photo_cloud is not None and found.tiles is not None:
+        scan = scan_cloud(found.tiles, _as_report(part(emit, 0.7, 0.9)))
+        stations = tuple(pose.name for pose in found.tiles.stations)
+        write_merged(out / MERGED, found.photo_cloud, scan, found.fusion, stations)
         names.append(MERGED)
-    emit(Event(stage="report", done=7, total=10))
+    emit(Event(stage="report", done=9, total=10))
     _write_page(out / "report.html", report, compared, tuple(names), language)
     folder.note_time("report", "", time.monotonic() - began)
     report = replace(report, timing_s=folder.stage_seconds(), peak_memory_mb=peak_memory_mb())
     write_json(out / "report.json", report_tree(report), "report")
     emit(Event(stage="report", done=1, total=1))
     return report
+
+
+def _as_report(emit: Emit) -> Emit:
+    return lambda event: emit(replace(event, stage="report"))
 
 
 def _compare(out: Path, report: SteelReport, truth: Path) -> SteelEvaluation:

@@ -1,0 +1,215 @@
+"""Points of one station out of a cloud file, run by run: E57, LAS, LAZ, PLY, PTS, XYZ.
+
+Takes the path; gives runs of (n, 3) float64 coordinates as written, and how many the file announces.  Leaves
+out units, checks of the coordinates and colours.  The libraries are imported where they are used.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TextIO
+
+import numpy as np
+
+from pipeline.core.errors import StageError
+from pipeline.core.vocabulary import Array
+
+Errors = tuple[type[BaseException], ...]
+
+POINTS_PER_RUN = 500_000
+
+_SPHERICAL = ("sphericalRange", "sphericalAzimuth", "sphericalElevation")
+_CARTESIAN = ("cartesianX", "cartesianY", "cartesianZ")
+_INVALID = ("cartesianInvalidState", "sphericalInvalidState")
+_COMMENTS = ("#", "//", ";")
+
+
+@dataclass(frozen=True, kw_only=True)
+class CloudRuns:
+    """An open cloud.
+
+    Attributes:
+        announced: points that the file says it has; 0 where it does not say.
+        runs: (n, 3) coordinates as written.
+    """
+
+    announced: int
+    runs: Iterator[Array]
+
+
+@contextmanager
+def open_cloud(path: Path, station: str) -> Iterator[CloudRuns]:
+    """Open a cloud file by its ending; what the libraries raise about a broken file becomes one sentence.
+
+    Raises:
+        StageError: the file cannot be read, is truncated, or holds no coordinates.
+    """
+    readers: dict[str, tuple[Callable[[Path, str], Any], Callable[[], Errors]]] = {
+        ".e57": (_e57, _e57_errors),
+        ".las": (_las, _las_errors),
+        ".laz": (_las, _las_errors),
+        ".ply": (_ply, _ply_errors),
+        ".pts": (_text, lambda: ()),
+        ".xyz": (_text, lambda: ()),
+    }
+    reader, library_errors = readers[path.suffix.lower()]
+    try:
+        with reader(path, station) as cloud:
+            yield cloud
+    except (OSError, EOFError, UnicodeDecodeError, *library_errors()) as error:  # type: ignore[misc]
+        said = " ".join(str(error).split()).rstrip(".")
+        raise cloud_error(
+            station, f"{path.name} cannot be read to its end ({said[:150]})", "export or copy it again"
+        ) from error
+
+
+def cloud_error(station: str, cause: str, remedy: str) -> StageError:
+    """An error about the cloud of a station."""
+    return StageError("clouds", f"station {station}: {cause}", remedy)
+
+
+@contextmanager
+def _e57(path: Path, station: str) -> Iterator[CloudRuns]:
+    import pye57
+
+    with path.open("rb"):
+        pass  # a file that may not be read is told as such, and not as a broken one
+    file = pye57.E57(str(path))
+    try:
+        if file.scan_count != 1:
+            raise cloud_error(
+                station, f"{path.name} holds {file.scan_count} scans", "export each station into its own file"
+            )
+        header = file.get_header(0)
+        names = next((n for n in (_CARTESIAN, _SPHERICAL) if set(n) <= set(header.point_fields)), None)
+        if names is None:
+            raise cloud_error(station, f"{path.name} holds no coordinates", "export it with x, y and z")
+        fields = [*names, *(n for n in _INVALID if n in header.point_fields)]
+        yield CloudRuns(announced=header.point_count, runs=_e57_runs(file, header, fields))
+    finally:
+        file.close()
+
+
+def _e57_runs(file: Any, header: Any, fields: list[str]) -> Iterator[Array]:  # noqa: ANN401 - pye57 has none
+    data, buffers = file.make_buffers(fields, POINTS_PER_RUN)
+    reader = header.points.reader(buffers)
+    while count := reader.read():
+        points = np.column_stack([data[name][:count] for name in fields[:3]]).astype(float)
+        if fields[0] == _SPHERICAL[0]:
+            points = _cartesian(points)
+        valid = np.ones(count, dtype=bool)
+        for name in fields[3:]:
+            valid &= data[name][:count] == 0
+        yield points[valid]
+    reader.close()
+
+
+def _cartesian(spherical: Array) -> Array:
+    """Range, azimuth, elevation (n, 3) of E57 to x, y, z."""
+    distance, azimuth, elevation = spherical.T
+    flat = distance * np.cos(elevation)
+    return np.column_stack([flat * np.cos(azimuth), flat * np.sin(azimuth), distance * np.sin(elevation)])
+
+
+def _e57_errors() -> Errors:
+    import pye57
+    from pye57.exception import PyE57Exception
+
+    return (pye57.libe57.E57Exception, PyE57Exception)
+
+
+@contextmanager
+def _las(path: Path, station: str) -> Iterator[CloudRuns]:
+    import laspy
+
+    with laspy.open(path) as file:
+        chunks = file.chunk_iterator(POINTS_PER_RUN)
+        runs = (np.column_stack([chunk.x, chunk.y, chunk.z]) for chunk in chunks)
+        yield CloudRuns(announced=file.header.point_count, runs=runs)
+
+
+def _las_errors() -> Errors:
+    import laspy
+    import lazrs  # type: ignore[import-untyped]
+
+    return (laspy.errors.LaspyException, lazrs.LazrsError, ValueError)
+
+
+@contextmanager
+def _ply(path: Path, station: str) -> Iterator[CloudRuns]:
+    from plyfile import PlyData
+
+    data = PlyData.read(str(path), mmap="c")
+    elements = {element.name: element for element in data.elements}
+    if "vertex" not in elements or not {"x", "y", "z"} <= {p.name for p in elements["vertex"].properties}:
+        raise cloud_error(
+            station, f"{path.name} has no vertex element with x, y and z", "export it as a point cloud"
+        )
+    vertices = elements["vertex"].data
+    runs = (
+        np.column_stack([vertices[axis][first : first + POINTS_PER_RUN] for axis in "xyz"]).astype(float)
+        for first in range(0, len(vertices), POINTS_PER_RUN)
+    )
+    yield CloudRuns(announced=len(vertices), runs=runs)
+
+
+def _ply_errors() -> Errors:
+    from plyfile import PlyParseError
+
+    return (PlyParseError, ValueError)
+
+
+@contextmanager
+def _text(path: Path, station: str) -> Iterator[CloudRuns]:
+    """PTS (first line: number of points) and XYZ (comments or a heading may stand first)."""
+    with path.open(encoding="utf-8-sig") as file:
+        lines, announced, first = 0, 0, file.readline()
+        while first and (_is_comment(first) or not _numbers(first)):
+            lines, first = lines + 1, file.readline()
+        if len(_numbers(first)) == 1:
+            announced = int(_numbers(first)[0])
+            lines, first = lines + 1, file.readline()
+        yield CloudRuns(announced=announced, runs=_text_runs(file, path, station, first, lines + 1))
+
+
+def _text_runs(file: TextIO, path: Path, station: str, first: str, line: int) -> Iterator[Array]:
+    if not first:
+        return
+    if len(_numbers(first)) < 3:
+        raise _bad_line(path, station, line, first)
+    comma = next((c for c in ",;" if c in first), None)
+    while text := ([first] if first else []) + file.readlines(POINTS_PER_RUN * len(first or "x" * 40)):
+        first = ""
+        try:
+            run = np.loadtxt(text, usecols=(0, 1, 2), delimiter=comma, ndmin=2, comments=list(_COMMENTS[:2]))
+        except ValueError as error:
+            number, bad = next(
+                ((n, t) for n, t in enumerate(text) if t.strip() and len(_numbers(t)) < 3), (0, text[0])
+            )
+            raise _bad_line(path, station, line + number, bad) from error
+        line += len(text)
+        yield run
+
+
+def _is_comment(line: str) -> bool:
+    return not line.strip() or line.lstrip().startswith(_COMMENTS)
+
+
+def _numbers(line: str) -> list[float]:
+    """The leading numbers of a line."""
+    found: list[float] = []
+    for word in line.replace(",", " ").replace(";", " ").split():
+        try:
+            found.append(float(word))
+        except ValueError:
+            break
+    return found
+
+
+def _bad_line(path: Path, station: str, line: int, text: str) -> StageError:
+    return cloud_error(
+        station,
+        f'{path.name} line {line} "{text.strip()[:40]}" does not begin with three numbers',
+        "export x, y and z as the first columns",
+    )

@@ -1,0 +1,75 @@
+"""What the steel stages hand to each other about stations and the features that tie them together.
+
+Frames of reference, in metres:
+    *station*  the scanner's own: origin at its centre, z up where it is levelled.
+    *site*     the structure's: z up, x east, y north unless the survey turns north; the base station's frame,
+               or that of the control targets.
+A pose is always ``site_from_station``: x_site = rotation @ x_station + translation.
+"""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from pipeline.core.vocabulary import Array
+
+
+class FeatureKind(StrEnum):
+    """What a feature pins down: a place, an axis, a plane."""
+
+    POINT = "point"
+    LINE = "line"
+    PLANE = "plane"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Feature:
+    """A figure fitted to the cloud of one station, or a target named by hand.
+
+    Attributes:
+        kind: point (centre of a sphere), line (axis of a cylinder) or plane.
+        name: as the survey calls it; "" where nobody has named it yet.
+        place: (3,) metres: the centre; the point of the axis or plane nearest the points' centroid.
+        direction: (3,) unit vector of the axis or normal; zeros for a point.
+        frame: (3, 3) rows u, v, direction: the frame of the covariance; the identity for a point.
+        covariance: point (3, 3) of the centre; line (4, 4) of (offset along u, along v, slope towards u,
+            towards v); plane (3, 3) of (offset along the normal, slope towards u, towards v).
+        radius_m: of the sphere or cylinder; 0 for a plane.
+        points: how many points of the cloud it was fitted to; 0 for a target named by hand.
+        rms_m: of their distances from the figure.
+    """
+
+    kind: FeatureKind
+    name: str
+    place: Array
+    direction: Array
+    frame: Array
+    covariance: Array
+    radius_m: float
+    points: int
+    rms_m: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class StationFeatures:
+    """All features of one station, in its own frame."""
+
+    station: str
+    features: tuple[Feature, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class StationPose:
+    """Where a station stood.
+
+    Attributes:
+        name: of the station.
+        rotation: (3, 3) site_from_station.
+        translation: (3,) metres, the scanner's centre in the site frame.
+        covariance: (6, 6) of (rotation vector on the left in radians, translation in metres); zero for a
+            station that defines the frame.
+    """
+
+    name: str
+    rotation: Array
+    translation: Array
+    covariance: Array

@@ -93,7 +93,7 @@ def start_from_unrolled(
     if options.scale_sigma_share and abs(scale - 1) > max(5 * options.scale_sigma_share, 0.02):
         raise StageError(
             "fuse",
-            f"the radius is {1000 * first.radius:.1f} mm in photos, {1000 * second.radius:.1f} mm in the scan",
+            f"the radius is {1000 * first.radius:.1f} mm in photos, {1000 * second.radius:.1f} in the scan",
             "check that both show the same cable, and the unit of the scan",
         )
     length = np.ptp(second.along), scale * np.ptp(first.along)

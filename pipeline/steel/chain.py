@@ -28,7 +28,7 @@ from pipeline.steel.nodes import Node, measure_nodes
 from pipeline.steel.options import SteelOptions
 from pipeline.steel.photo_model import PhotoModel, photo_model
 from pipeline.steel.photo_sparse import pictures_in
-from pipeline.steel.records import StationFeatures
+from pipeline.steel.records import StationFeatures, chosen_poses
 from pipeline.steel.register import register
 from pipeline.steel.registration_records import ChainedRegistration, IcpRegistration, Registration
 from pipeline.steel.scan_cloud import scan_cloud
@@ -197,13 +197,11 @@ class SteelChain:
 
     def _tiles(self) -> list[Product[Any]]:
         registration: Registration = self._value("register").registration
-        stations = [
-            (s.name, cloud.value.path, registration.pose(s.name))
-            for s in self._scanned
-            if (cloud := self._cloud_of(s)) is not None
-        ]
-        if not stations:
+        if not self._scanned:
             return []
+        poses = chosen_poses(registration.poses, [station.name for station in self._scanned])
+        clouds = [product.value.path for product in self.made["clouds"]]
+        stations = [(pose.name, path, pose) for pose, path in zip(poses, clouds, strict=True)]
 
         def make() -> Tiles:
             return build_tiles(stations, self._options.tiles, self._folder.path / "tiles", self._emit)

@@ -29,7 +29,7 @@ from pipeline.steel.fuse_records import (
 )
 from pipeline.steel.fuse_sigma import Held, StartSigma, judge
 from pipeline.steel.fuse_start import STAGE, STEPS, evenly, find_starts, worth_of
-from pipeline.steel.point_match import Laid, lay
+from pipeline.steel.point_match import TUKEY, Laid, lay
 from pipeline.steel.records import Feature, FeatureKind
 from pipeline.steel.scanned_surface import ScannedSurface, single, thinned, towards_scanners
 
@@ -70,7 +70,6 @@ def fuse(
     worth = [worth_of(start, kind, some, cable) for start, some in zip(starts, fused, strict=True)]
     points, normals = evenly(photo, options.photo_points)
     emit(Event(stage=STAGE, done=40, total=STEPS))
-    best: tuple[Laid, Held, int] | None = None
     laid_all = []
     for number, start in enumerate(starts):
         done = 40 + 50 * number // len(starts)
@@ -83,15 +82,16 @@ def fuse(
             points, normals, surface, spheres, start, edge, worth[number], cable, options, tick
         )
         laid_all.append((laid, held, number))
-    best = max(laid_all, key=lambda item: _merit(item[0]))
+    noise_m = min((item[0].noise_m for item in laid_all if len(item[0].chosen) >= 200), default=1.0)
+    best = max(laid_all, key=lambda item: _merit(item[0], noise_m))
     laid, held, number = best
-    _refuse_rivals(laid_all, best, points, options)
     if laid.share < options.least_overlap or len(laid.chosen) < 200:
         raise StageError(
             STAGE,
             f"only {100 * laid.share:.0f} % of the photo cloud lie on scanned surface",
             "check that both show the same part, or give pairs of places by hand",
         )
+    _refuse_rivals(laid_all, best, noise_m, points, options)
     fusion = _fusion(laid, held, kind, fused[number], cable, options)
     emit(Event(stage=STAGE, done=STEPS, total=STEPS))
     return fusion
@@ -171,17 +171,17 @@ def _laid(
     return laid, held
 
 
-def _merit(laid: Laid) -> float:
-    """Photo points on the surface, each by its robust weight: what tells rivals apart."""
-    return (
-        float(laid.weights.sum()) * float(np.exp(-min(laid.noise_m / 0.02, 50.0)))
-        if len(laid.chosen)
-        else 0.0
-    )
+def _merit(laid: Laid, noise_m: float) -> float:
+    """Photo points on the surface, each by its robust weight at the same noise for all rivals."""
+    return float(np.sum(np.clip(1 - (laid.distances / (TUKEY * noise_m)) ** 2, 0, None) ** 2))
 
 
 def _refuse_rivals(
-    laid_all: list[tuple[Laid, Held, int]], best: tuple[Laid, Held, int], points: Array, options: FuseOptions
+    laid_all: list[tuple[Laid, Held, int]],
+    best: tuple[Laid, Held, int],
+    noise_m: float,
+    points: Array,
+    options: FuseOptions,
 ) -> None:
     mine = best[0].placement.apply(points)
     for laid, _, number in laid_all:
@@ -189,7 +189,7 @@ def _refuse_rivals(
         if (
             number != best[2]
             and apart > 5 * options.feature_tolerance_mm / 1000
-            and _merit(laid) > 0.9 * _merit(best[0])
+            and _merit(laid, noise_m) > 0.9 * _merit(best[0], noise_m)
         ):
             raise StageError(
                 STAGE,

@@ -7,8 +7,8 @@ little beside its place), so dividing by the root of the number of points would 
 is how far the result moves when one patch after the other is left out: the delete-a-group jackknife, which
 unlike the plain sandwich does not forget that patches with leverage bend the fit towards themselves (A. C.
 Cameron and D. L. Miller, "A practitioner's guide to cluster-robust inference", J. Human Resources 50(2),
-2015, section VI.B).  Patches grow until few are left; the largest answer counts, and what the residuals show in
-the largest patches stands for bends as long as the cloud.
+2015, section VI.B).  Patches grow until few are left; the largest answer counts, and what the residuals show
+in the largest patches stands for bends as long as the cloud.
 
 Whether a motion is determined must not rest on noise either: rough normals of a perfect cylinder seem to hold
 its turn.  The information is therefore the product of the *two* clouds' own normals, whose noises are
@@ -94,9 +94,7 @@ def judge(laid: Laid, undetermined_m: float, start: StartSigma, axis: Array | No
     apparent = np.einsum("ij,ik,kj->j", motions, weighted.T @ by_scan, motions)
     sigmas = sigmas * np.maximum(apparent / np.maximum(values, 1e-12), 1.0)
     from_start = motions.T @ start.covariance(laid.centre, unit) @ motions
-    known = certain & (sigmas < undetermined_m)
-    if axis is not None:
-        known &= sigmas < np.sqrt(np.diag(from_start))
+    known = certain & (sigmas < undetermined_m) & (sigmas < np.sqrt(np.diag(from_start)))
     sigmas = np.where(known, sigmas, np.sqrt(np.diag(from_start)))
     kept = np.where(
         known[:, None] & known,

@@ -24,6 +24,8 @@ STEPS = 100
 MOST_RIVALS = 8
 """So many placements that the features allow are tried on the points."""
 MOST_FOR_SPHERES = 400_000
+LEAST_NOISE_M = {Start.PAIRS: 0.010, Start.FEATURES: 0.002}
+"""A place pointed out by hand, or a sphere seen in photos, is never better; few may agree by chance."""
 WELL_HELD = 1e-3
 """What the axis of a fitted cable leaves open across it (metres, radians, share), before the points."""
 
@@ -93,6 +95,10 @@ def worth_of(
     spread = fit.covariance.copy()
     spread[6] /= fit.scale
     spread[:, 6] /= fit.scale
+    # a lamp or a habit of the hand shifts all of them alike: their mean is no better than one of them
+    noise_m = max(fit.noise_sigma, LEAST_NOISE_M[kind])
+    spread *= (noise_m / max(fit.noise_sigma, 1e-9)) ** 2
+    spread[3:6, 3:6] += noise_m**2 * np.eye(3)
     if len(fused) == 3:
         # two of nine residuals are left: no scatter that one could trust
         spread *= 9.0

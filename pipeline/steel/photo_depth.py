@@ -99,16 +99,16 @@ def sweep_photo(
     found, score = peak.at()
     spacing = inverse[1] - inverse[0]
     start = np.where(score >= options.least_score, inverse[0] + found * spacing, np.nan).astype(np.float32)
-    # again about a smooth start: its windows lie on the slope of the surface, not square to the camera
-    start = _smooth(start, float(options.slope_px * spacing / options.candidate_px), window)
-    peak = _Peak(rays.shape[:2])
-    offsets = np.linspace(-1.5, 1.5, 13, dtype=np.float32) * np.float32(spacing / options.candidate_px)
+    step = np.float32(spacing / options.candidate_px)
+    start = _smooth(start, options.slope_px * float(step), window)
+    peak, offsets = _Peak(rays.shape[:2]), np.linspace(-1.5, 1.5, 13, dtype=np.float32) * step
     for number, offset in enumerate(offsets):
         if number % 4 == 0:
             tick(0.8 + 0.2 * number / len(offsets))
+        # again about a smooth start: its windows lie on the surface's slope, not square to the camera
+        at = np.nan_to_num(start, nan=float(inverse[0])) + offset
         scores = [
-            template.correlate(path.sample(image, np.nan_to_num(start, nan=inverse[0]) + offset))
-            for path, image in zip(paths, images, strict=True)
+            template.correlate(path.sample(image, at)) for path, image in zip(paths, images, strict=True)
         ]
         peak.add(_best_two(scores))
     found, score = peak.at()

@@ -39,8 +39,8 @@ class DepthOptions:
         least_angle_deg, best_angle_deg: rays of neighbours meet at this angle at least, and best at.
         window_px: side of the comparison window, odd.
         candidate_px: two candidate depths lie so far apart in the widest neighbour.
-        slope_px: neighbouring depths no farther apart than this in the widest neighbour are one surface, whose
-            slope the windows follow.
+        slope_px: neighbouring depths no farther apart than this in the widest neighbour are one surface,
+            whose slope the windows follow.
         least_score: correlation of a depth that is kept.
         agree_px: a depth must come back to within this, in at least ``least_agreeing`` neighbours.
         least_agreeing: see there.

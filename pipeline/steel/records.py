@@ -7,8 +7,11 @@ Frames of reference, in metres:
 A pose is always ``site_from_station``: x_site = rotation @ x_station + translation.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
+
+import numpy as np
 
 from pipeline.core.vocabulary import Array
 
@@ -67,9 +70,22 @@ class StationPose:
         translation: (3,) metres, the scanner's centre in the site frame.
         covariance: (6, 6) of (rotation vector on the left in radians, translation in metres); zero for a
             station that defines the frame.
+        among: (n, 6, 6) covariance of the same six with those of each of the n stations, in their order:
+            what hangs on several stations must know that their errors are alike.  (0, 6, 6): not known.
     """
 
     name: str
     rotation: Array
     translation: Array
     covariance: Array
+    among: Array = field(default_factory=lambda: np.zeros((0, 6, 6)))
+
+
+def chosen_poses(poses: Sequence[StationPose], names: Sequence[str]) -> tuple[StationPose, ...]:
+    """Some stations, in the order of ``names``, with the covariances among just these."""
+    places = {pose.name: number for number, pose in enumerate(poses)}
+    index = [places[name] for name in names]
+    return tuple(
+        replace(poses[n], among=poses[n].among[index] if len(poses[n].among) else poses[n].among)
+        for n in index
+    )

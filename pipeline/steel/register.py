@@ -109,6 +109,7 @@ def poses_of(network: Network, adjusted: Adjusted) -> tuple[StationPose, ...]:
             rotation=adjusted.state.rotations[s],
             translation=adjusted.state.translations[s],
             covariance=blocks[s, :, s, :].copy(),
+            among=blocks[s].transpose(1, 0, 2).copy(),
         )
         for s, name in enumerate(network.stations)
     )

@@ -47,8 +47,8 @@ class Thinned:
         towards: (n, 3) from each point to the place that it was seen from; (0, 3) where not known.
         counts: (n,) points in each mean.  They are the weights of a fit: with all cubes alike the few points
             far off a curved surface would pull it outwards, by the square of the noise over the radius.
-        within: (n, 3, 3) their covariance, m^2: the mean of points on a curved surface lies inside it, which is
-            made good.
+        within: (n, 3, 3) their covariance, m^2: the mean of points on a curved surface lies inside it, which
+            is made good.
         edge_m: of the cubes.
     """
 

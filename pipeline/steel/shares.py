@@ -5,6 +5,7 @@ errors, and the covariance with them.  Leaves out the points' own noise.
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.core.vocabulary import Array
 from pipeline.steel.member_records import StationShare
@@ -36,8 +37,17 @@ def with_stations(
     The points of one station all carry its error of registration: a fit over k stations cannot average it
     below sigma / sqrt(k), however many points there are.
     """
-    total = noise.copy()
-    for station, gain in zip(share.stations.tolist(), share.gains, strict=True):
-        total += gain[:, :6] @ stations[station].covariance @ gain[:, :6].T
-        total += range_bias_m**2 * np.outer(gain[:, 6], gain[:, 6])
-    return total
+    by_pose, by_range = share.gains[:, :, :6], share.gains[:, :, 6]
+    among = _among(tuple(stations[n] for n in share.stations.tolist()), share.stations)
+    poses = np.einsum("aik,abkl,bjl->ij", by_pose, among, by_pose, optimize=True)
+    return np.asarray(noise + poses + range_bias_m**2 * by_range.T @ by_range)
+
+
+def _among(chosen: tuple[StationPose, ...], numbers: NDArray[np.int64]) -> Array:
+    """(k, k, 6, 6) covariances of the poses of some stations; without knowledge they are independent."""
+    among = np.zeros((len(chosen), len(chosen), 6, 6))
+    for row, pose in enumerate(chosen):
+        if len(pose.among):
+            among[row] = pose.among[numbers]
+        among[row, row] = pose.covariance
+    return among

@@ -1,6 +1,6 @@
 """A little scene and its photos, ray by ray in numpy: truth by an independent hand.
 
-A textured floor, a textured block on it and white balls, seen by a pinhole; camera x right, y down, z forward.
+A textured floor, a block on it and white balls, seen by a pinhole; camera x right, y down, z forward.
 """
 
 import numpy as np

@@ -1,7 +1,8 @@
-"""Deflection of a run against the true one: of the balls below the plane through the supported balls.
+"""Deflection of a run against the true one: of the nodes below the plane through the supported ones.
 
-The truth is put to the same plane: that of least squares through the true places of the same supports, where
-they lie along one line the line.  The limit is the run's own.
+A node is where its rods meet; its ball may be eccentric.  The truth is put to the same plane: that of least
+squares through the true places of the same supports, where they lie along one line the line.  The limit is the
+run's own.
 """
 
 import numpy as np
@@ -20,13 +21,13 @@ def compare_deflection(report: Document, truth: Document) -> DeflectionErrors:
     """Compare every node that the run tells a deflection of and the truth knows."""
     told = report.inside("deflection")
     rows, nodes = list(told.items("rows")), list(truth.items("nodes"))
-    balls = np.array([row.array("ball_m", 3) for row in nodes]).reshape(-1, 3)
+    meeting = np.array([row.array("rods_m", 3) for row in nodes]).reshape(-1, 3)
     pairs = pairs_by_place(
-        np.array([row.array("position_m", 3) for row in rows]).reshape(-1, 3), balls, REACH_M
+        np.array([row.array("position_m", 3) for row in rows]).reshape(-1, 3), meeting, REACH_M
     )
     matched = sorted(pairs)
     found = np.array([rows[n].number("deflection_mm") for n in matched])
-    places = balls[[pairs[n] for n in matched]].reshape(-1, 3)
+    places = meeting[[pairs[n] for n in matched]].reshape(-1, 3)
     held = np.array([rows[n].values.get("support") is True for n in matched], dtype=bool)
     true = 1000 * _below(places, places[held] if held.sum() >= 2 else places)
     free = np.flatnonzero(~held).tolist()

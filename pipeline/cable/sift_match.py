@@ -115,9 +115,9 @@ def find_marks(picture: Gray, view: CableView, mask: Gray, options: SiftOptions)
 
     Local mean and contrast are taken out first: the lamp travels with the camera.
     """
-    found, raw = cv2.SIFT.create(options.marks, contrastThreshold=0.02).detectAndCompute(
-        normalise(picture, 9.0), mask
-    )
+    # without the precise upscaling OpenCV's places are a quarter of a pixel off, both ways
+    sift = cv2.SIFT.create(options.marks, contrastThreshold=0.02, enable_precise_upscale=True)
+    found, raw = sift.detectAndCompute(normalise(picture, 9.0), mask)
     if raw is None:
         return Marks(places=np.zeros((0, 2)), descriptors=np.zeros((0, 128), dtype=np.float32))
     # OpenCV's places count from the first pixel's centre, ours from its corner

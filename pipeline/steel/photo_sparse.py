@@ -221,7 +221,12 @@ def _map(
     sharper = pycolmap.BundleAdjustmentOptions()
     sharper.refine_focal_length, sharper.refine_extra_params = options.refine_focal, options.refine_distortion
     sharper.refine_principal_point, sharper.print_summary = False, False
-    pycolmap.bundle_adjustment(largest, sharper)
+    config = pycolmap.BundleAdjustmentConfig()
+    for number in largest.reg_image_ids():
+        config.add_image(number)
+    config.fix_gauge(pycolmap.BundleAdjustmentGauge.TWO_CAMS_FROM_WORLD)
+    # pycolmap.bundle_adjustment would write headings to stderr, into the progress, whatever the log level
+    pycolmap.create_default_bundle_adjuster(sharper, config, largest).solve()
     return largest
 
 

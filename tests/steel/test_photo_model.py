@@ -61,7 +61,7 @@ def test_orientation_stops_within_two_seconds(folder, tmp_path):
     def stop_in_the_mapping(event):
         # 6 photos and 15 pairs are done; two more events tell of the pairs' geometry, then the mapping begins
         late.extend([event] if event.done >= 21 else [])
-        if len(late) == 4:
+        if len(late) == 3:
             asked[0] = time.monotonic()
             raise Cancelled
 

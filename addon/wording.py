@@ -8,9 +8,10 @@ from bpy.app.translations import pgettext_iface as translated
 from bpy.app.translations import pgettext_n as n_
 
 from .properties.run import STAGES
+from .properties.steel import STEEL_STAGES
 
 _FRAME = n_("{stage}: {cause}. What to do: {remedy}")
-_LABELS = {name: label for name, label, _ in STAGES} | {
+_LABELS = {name: label for name, label, _ in (*STEEL_STAGES, *STAGES)} | {
     "run": n_("Run"),
     "survey": n_("Survey"),
     "export": n_("Export"),

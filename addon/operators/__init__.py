@@ -13,13 +13,14 @@ from . import (
     pos,
     reconstruct,
     results,
+    steel,
     survey,
     synthesise,
 )
 
 _MODULES = (
     *(survey, lens, pos, reconstruct, results, crop),
-    *(mosaic, mosaic_pairs, mosaic_pick, measure, export, synthesise),
+    *(mosaic, mosaic_pairs, mosaic_pick, measure, export, synthesise, steel),
 )
 _CLASSES = tuple(c for m in _MODULES for c in m.classes)
 

@@ -4,9 +4,12 @@ from pathlib import Path
 
 import bpy
 
+from pipeline.core.errors import StageError
+
 from ..preferences import preferences
 from ..results.collections import BLOCKS, MOSAIC, SPARSE
 from ..results.show import show_run
+from ..results.steel_run import is_steel
 from ..results.view import clear_startup, frame, show_pictures
 from .base import Operator
 from .running import run_folder
@@ -53,6 +56,10 @@ def present_run(context: bpy.types.Context, scene: bpy.types.Scene, folder: Path
     Raises:
         StageError: there is nothing to show.
     """
+    if is_steel(folder):
+        raise StageError(
+            "run", f"{folder} is the run of a steel structure", "open it in the panel Steel structure"
+        )
     show_run(scene, folder, preferences(context).cloud_points)
     clear_startup(scene)
     show_pictures(context, scene)

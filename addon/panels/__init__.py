@@ -2,9 +2,9 @@
 
 import bpy
 
-from . import crop, export, lens, measure, mosaic, pos, reconstruct, results, survey, synthesise
+from . import crop, export, lens, measure, mosaic, pos, reconstruct, results, steel, survey, synthesise
 
-_MODULES = (survey, lens, pos, reconstruct, results, crop, mosaic, measure, export, synthesise)
+_MODULES = (survey, lens, pos, reconstruct, results, crop, mosaic, measure, export, synthesise, steel)
 _CLASSES = tuple(c for m in _MODULES for c in m.classes)
 
 register, unregister = bpy.utils.register_classes_factory(_CLASSES)

@@ -1,5 +1,7 @@
 """The panel *Reconstruct*: run, progress, cancel, and what went wrong."""
 
+from collections.abc import Mapping
+
 import bpy
 from bpy.app.translations import pgettext_iface as translated
 from bpy.app.translations import pgettext_n as n_
@@ -39,9 +41,11 @@ class CABLETWIN_PT_reconstruct(Panel):
             self.layout.operator("cabletwin.reconstruct_log", icon="TEXT")
 
 
-def draw_progress(layout: bpy.types.UILayout, job: bpy.types.PropertyGroup) -> None:
-    """A bar with stage and time left, and the way to stop."""
-    stage = translated(_STAGE_NAMES.get(job.stage, job.stage)) if job.stage else translated("Starting")
+def draw_progress(
+    layout: bpy.types.UILayout, job: bpy.types.PropertyGroup, names: Mapping[str, str] = _STAGE_NAMES
+) -> None:
+    """A bar with stage, by its name, and time left, and the way to stop."""
+    stage = translated(names.get(job.stage, job.stage)) if job.stage else translated("Starting")
     where = f"{stage} · {job.block}" if job.block else stage
     layout.progress(factor=job.fraction, text=f"{round(100 * job.fraction)} %  {where}", type="BAR")
     row = layout.row()

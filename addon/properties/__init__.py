@@ -2,9 +2,9 @@
 
 import bpy
 
-from . import block, crop, export, job, lens, measure, mosaic, pos, results, run, survey, synthesise
+from . import block, crop, export, job, lens, measure, mosaic, pos, results, run, steel, survey, synthesise
 
-_MODULES = (block, survey, lens, pos, run, results, crop, mosaic, measure, export, synthesise, job)
+_MODULES = (block, survey, lens, pos, run, results, crop, mosaic, measure, export, synthesise, steel, job)
 
 
 class CableTwinProperties(bpy.types.PropertyGroup):
@@ -20,6 +20,7 @@ class CableTwinProperties(bpy.types.PropertyGroup):
     measure: bpy.props.PointerProperty(type=measure.CableTwinMeasure)
     export: bpy.props.PointerProperty(type=export.CableTwinExport)
     synthesise: bpy.props.PointerProperty(type=synthesise.CableTwinSynthesise)
+    steel: bpy.props.PointerProperty(type=steel.CableTwinSteel)
 
 
 _CLASSES = (*(c for m in _MODULES for c in m.classes), CableTwinProperties)

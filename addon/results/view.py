@@ -18,7 +18,7 @@ def frame(context: bpy.types.Context, scene: bpy.types.Scene, *kinds: str) -> No
     if not len(corners):
         return
     low, high = corners.min(axis=0), corners.max(axis=0)
-    for space in _views(context, scene):
+    for space in views(context, scene):
         view = space.region_3d
         if view.view_perspective == "CAMERA":
             view.view_perspective = "PERSP"
@@ -42,7 +42,7 @@ def look_at(
         distance_m: from there to the eye.
         outward: from where to look, square to the cable, which then lies level; None keeps the direction.
     """
-    for space in _views(context, scene):
+    for space in views(context, scene):
         view = space.region_3d
         if view.view_perspective == "CAMERA":
             view.view_perspective = "PERSP"
@@ -56,7 +56,7 @@ def look_at(
 
 def show_pictures(context: bpy.types.Context, scene: bpy.types.Scene) -> None:
     """Let solid views show the meshes' own pictures, as they were filmed: quick on any machine."""
-    for space in _views(context, scene):
+    for space in views(context, scene):
         space.shading.type = "SOLID"
         space.shading.light = "FLAT"
     show_colours(context, scene)
@@ -65,7 +65,7 @@ def show_pictures(context: bpy.types.Context, scene: bpy.types.Scene) -> None:
 def show_colours(context: bpy.types.Context, scene: bpy.types.Scene) -> None:
     """Let solid views show the colours of the deviation where the scene wants them, else the pictures."""
     by_texture = scene.cabletwin.measure.colour_by == "TEXTURE"
-    for space in _views(context, scene):
+    for space in views(context, scene):
         space.shading.color_type = "TEXTURE" if by_texture else "VERTEX"
 
 
@@ -78,7 +78,8 @@ def clear_startup(scene: bpy.types.Scene) -> None:
             item.hide_viewport = True
 
 
-def _views(context: bpy.types.Context, scene: bpy.types.Scene) -> Iterator[bpy.types.SpaceView3D]:
+def views(context: bpy.types.Context, scene: bpy.types.Scene) -> Iterator[bpy.types.SpaceView3D]:
+    """The 3D views of the scene's windows."""
     for window in context.window_manager.windows:
         if window.scene == scene:
             # while a file browser fills the window, the views wait in another screen of the workspace

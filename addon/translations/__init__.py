@@ -2,9 +2,22 @@
 
 import bpy
 
-from . import common, crop, export, lens, measure, mosaic, pos, reconstruct, results, survey, synthesise
+from . import (
+    common,
+    crop,
+    export,
+    lens,
+    measure,
+    mosaic,
+    pos,
+    reconstruct,
+    results,
+    steel,
+    survey,
+    synthesise,
+)
 
-_AREAS = (common, reconstruct, results, survey, lens, pos, crop, mosaic, measure, export, synthesise)
+_AREAS = (common, reconstruct, results, survey, lens, pos, crop, mosaic, measure, export, synthesise, steel)
 _CONTEXTS = ("*", "Operator")
 
 

@@ -50,20 +50,29 @@ def bundled(root: Path) -> tuple[Package, ...]:
         ExtensionError: a package is not in requirements.lock.
     """
     project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    open_ = [*project["dependencies"], *project["optional-dependencies"]["synth"]]
+    extras = project["optional-dependencies"]
+    open_ = [Requirement(line) for line in (*project["dependencies"], *extras["synth"], *extras["steel"])]
     names: set[str] = set()
     while open_:
-        wanted = Requirement(open_.pop())
+        wanted = open_.pop()
         name = canonicalize_name(wanted.name)
-        # a package's extras are not asked for; platforms do not differ in what remains
-        needed = wanted.marker is None or wanted.marker.evaluate({"extra": ""})
-        if needed and name not in names | IN_BLENDER:
+        if name not in names | IN_BLENDER:
             names.add(name)
-            open_.extend(requires(name) or ())
+            open_.extend(_needs(name, wanted.extras))
     pins = locked(root)
     if missing := sorted(names - pins.keys()):
         raise ExtensionError(f"requirements.lock does not pin {', '.join(missing)}: compile it anew")
     return tuple(pins[name] for name in sorted(names))
+
+
+def _needs(name: str, extras: set[str]) -> list[Requirement]:
+    """What a package needs with these of its extras; platforms do not differ in it."""
+    found = [Requirement(line) for line in requires(name) or ()]
+    return [
+        need
+        for need in found
+        if need.marker is None or any(need.marker.evaluate({"extra": extra}) for extra in ("", *extras))
+    ]
 
 
 def locked(root: Path) -> dict[str, Package]:

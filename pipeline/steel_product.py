@@ -9,6 +9,7 @@ from pathlib import Path
 from pipeline.core.events import Emit
 from pipeline.core.files import write_json
 from pipeline.core.runfolder import RunFolder
+from pipeline.evaluate.documents import read_document
 from pipeline.report.labels import Language
 from pipeline.report.steel import summary, write_steel_run
 from pipeline.set_aside import drop_set_aside, none_if_refused, set_aside
@@ -48,6 +49,8 @@ def make_steel_product(
     """
     with none_if_refused(out):
         options = bind_steel_options(survey, assignments)
+        if truth is not None:
+            read_document(truth)  # tells now, and not minutes later
         folder = RunFolder(
             out,
             _fresh(start, only),

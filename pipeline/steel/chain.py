@@ -204,7 +204,8 @@ class SteelChain:
         stations = [(pose.name, path, pose) for pose, path in zip(poses, clouds, strict=True)]
 
         def make() -> Tiles:
-            return build_tiles(stations, self._options.tiles, self._folder.path / "tiles", self._emit)
+            emit = _named("tiles", self._emit)
+            return build_tiles(stations, self._options.tiles, self._folder.path / "tiles", emit)
 
         needs = (*self.made["clouds"], *self.made["register"], self._options.tiles)
         return [self._folder.product("tiles", Tiles, make, *needs)]
@@ -256,7 +257,8 @@ class SteelChain:
         files = [(file.name, stamp_file(file)) for file in pictures_in(photos.source)]
 
         def make() -> PhotoModel:
-            return photo_model(photos.source, photos.focal_px, scratch, options, self._emit)
+            emit = _named("photos", self._emit)
+            return photo_model(photos.source, photos.focal_px, scratch, options, emit)
 
         return [self._folder.product("photos", PhotoModel, make, files, photos.focal_px, options)]
 
@@ -266,7 +268,8 @@ class SteelChain:
             return []
 
         def make() -> Fusion:
-            read, fused = part(self._emit, 0.0, 0.2), part(self._emit, 0.2, 1.0)
+            emit = _named("fuse", self._emit)
+            read, fused = part(emit, 0.0, 0.2), part(emit, 0.2, 1.0)
             scan = scan_cloud(self._value("tiles"), read)
             spheres = (*self._value("register").registration.features, *ball_features(self._value("members")))
             return fuse(self._value("photos").cloud, scan, spheres, self._options.fuse, fused)

@@ -22,11 +22,12 @@ class CABLETWIN_PT_reconstruct(Panel):
     def draw(self, context: bpy.types.Context) -> None:
         """Settings and the button, or the progress of what runs."""
         job, run = context.window_manager.cabletwin_job, context.scene.cabletwin.run
+        mine = job.kind != "steel"  # that one is told in its own panel
         settings = aligned(self.layout)
         settings.enabled = not job.running
         settings.prop(run, "folder")
         settings.prop(run, "adjust")
-        if job.running:
+        if job.running and mine:
             draw_progress(self.layout, job)
         else:
             row = self.layout.row()
@@ -35,9 +36,9 @@ class CABLETWIN_PT_reconstruct(Panel):
             row = self.layout.row(align=True)
             row.operator("cabletwin.reconstruct_run", text="Again from", icon="FILE_REFRESH").again = True
             row.prop(run, "start", text="")
-        if job.failure:
+        if job.failure and mine:
             sentence(self.layout.box(), job.failure, "ERROR")
-        if job.log:
+        if job.log and mine:
             self.layout.operator("cabletwin.reconstruct_log", icon="TEXT")
 
 

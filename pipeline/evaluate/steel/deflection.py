@@ -1,8 +1,8 @@
 """Deflection of a run against the true one: of the nodes below the plane through the supported ones.
 
 A node is where its rods meet; its ball may be eccentric.  The truth is put to the same plane: that of least
-squares through the true places of the same supports, where they lie along one line the line.  The limit is the
-run's own.
+squares through the true places of the same supports, where they lie along one line the line.  The limit is
+the run's own.
 """
 
 import numpy as np

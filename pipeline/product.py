@@ -4,7 +4,9 @@ This is the one call that the command line, the Blender extension and the benchm
 """
 
 from functools import partial
+from importlib import import_module
 from pathlib import Path
+from threading import Thread
 
 from pipeline.cable.pairs import read_pairs
 from pipeline.cable.run import STAGES, bind_options, run_cable
@@ -63,6 +65,9 @@ def make_product(
         folder = _folder(out, start, only)
         write_json(folder.path / "options.json", options, "run")
         last = only if only and only != "report" else STAGES[-1]
+        if last == STAGES[-1]:
+            # Matplotlib takes its time to load: while frames are read, so that the report need not wait
+            Thread(target=import_module, args=("pipeline.report.page",), daemon=True).start()
         found = run_cable(survey, options, folder, emit, pairs, last)
         if found is None or (only and only != "report"):
             return f"{only} is done in {out}"

@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cable.surface_view import Image, SurfaceView, SweepGrid, outward_of, sample
-from pipeline.core.pictures import surroundings
 from pipeline.core.vocabulary import Array, Lens, Poses
 
 LEAST_RISE = 0.1
@@ -71,7 +70,7 @@ class FrameReader:
             if self._blur_px > 0:
                 image = np.asarray(cv2.GaussianBlur(image, (0, 0), self._blur_px), dtype=np.float32)
             if self._detail_px > 0:
-                image = image - surroundings(image, self._detail_px)
+                image = image - np.asarray(cv2.GaussianBlur(image, (0, 0), self._detail_px), dtype=np.float32)
             self._held[frame] = image
             if len(self._held) > self._keep:
                 self._held.popitem(last=False)

@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 from pipeline.cable.surface_view import SurfaceView, SweepGrid, sample
 from pipeline.core.axis import AxisCurve
 from pipeline.core.division import project
-from pipeline.core.pictures import surroundings
 from pipeline.core.vocabulary import Array, Lens, Poses
 
 Gray = NDArray[np.uint8]
@@ -74,8 +73,9 @@ class Track:
 def normalise(image: NDArray[np.uint8] | NDArray[np.float32], radius_px: float) -> Gray:
     """Take out local mean and contrast: 128 + 40 standard deviations, (h, w) uint8."""
     values = image.astype(np.float32)
-    away = values - surroundings(values, radius_px)
-    scaled = 128 + 40 * away / np.sqrt(surroundings(away**2, radius_px) + 4.0)
+    mean = cv2.GaussianBlur(values, (0, 0), radius_px)
+    spread = cv2.GaussianBlur((values - mean) ** 2, (0, 0), radius_px)
+    scaled = 128 + 40 * (values - mean) / np.sqrt(spread + 4.0)
     return np.rint(np.clip(scaled, 0, 255)).astype(np.uint8)
 
 

@@ -1,4 +1,4 @@
-"""Pictures read whole or refused with a sentence, and the brightness of their surroundings."""
+"""Pictures on disk, read whole or refused with a sentence."""
 
 from pathlib import Path
 
@@ -9,9 +9,6 @@ from numpy.typing import NDArray
 from pipeline.core.errors import StageError
 
 type Picture = NDArray[np.uint8]
-
-LEAST_HALVED_PX = 4.0
-"""Blurred less than this, a picture still holds what half its size cannot."""
 
 
 def read_colour(file: Path, stage: str) -> Picture:
@@ -30,20 +27,6 @@ def read_grey(file: Path, stage: str) -> Picture:
         StageError: the file is missing or no picture.
     """
     return _read(file, stage, cv2.IMREAD_GRAYSCALE)
-
-
-def surroundings(picture: NDArray[np.float32], sigma_px: float) -> NDArray[np.float32]:
-    """The picture (h, w) blurred so much that only its surroundings' brightness is left.
-
-    A wide Gaussian leaves nothing fine, so it is taken at half the size: in a third of the time, within 0.05
-    grey levels (rms) of the full one.
-    """
-    height, width = picture.shape
-    if sigma_px < LEAST_HALVED_PX or min(height, width) < 4 * LEAST_HALVED_PX:
-        return np.asarray(cv2.GaussianBlur(picture, (0, 0), sigma_px), dtype=np.float32)
-    half = cv2.resize(picture, (width // 2, height // 2), interpolation=cv2.INTER_AREA)
-    blurred = cv2.GaussianBlur(half, (0, 0), sigma_px / 2)
-    return np.asarray(cv2.resize(blurred, (width, height), interpolation=cv2.INTER_LINEAR), dtype=np.float32)
 
 
 def _read(file: Path, stage: str, kind: int) -> Picture:

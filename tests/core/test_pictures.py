@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from pipeline.core.errors import StageError
-from pipeline.core.pictures import read_colour, read_grey, surroundings
+from pipeline.core.pictures import read_colour, read_grey
 
 
 def test_a_path_with_chinese_letters_is_read(tmp_path):
@@ -26,14 +26,3 @@ def test_what_is_no_picture_is_refused_by_name(tmp_path):
         ) as refusal:
             read_grey(file, "dense")
         assert refusal.value.remedy == "restore the file or take it out"
-
-
-@pytest.mark.parametrize("sigma_px", [2.0, 6.0, 9.0, 25.0])
-@pytest.mark.parametrize("size", [(301, 400), (12, 400)])
-def test_surroundings_are_what_a_full_gaussian_leaves(sigma_px, size):
-    rows, columns = np.mgrid[: size[0], : size[1]]
-    waves = 100 + 60 * np.sin(rows / 40) * np.cos(columns / 55)
-    picture = (waves + np.random.default_rng(3).normal(0, 20, size)).astype(np.float32)
-    away = surroundings(picture, sigma_px) - cv2.GaussianBlur(picture, (0, 0), sigma_px)
-    assert np.sqrt(np.mean(away**2)) < 0.3
-    assert abs(away.mean()) < 0.02

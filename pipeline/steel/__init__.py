@@ -1,7 +1,7 @@
 """Large steel structures from many laser scans and photos, after Guo Ming et al. 2021.
 
-The map; :mod:`pipeline.steel.run` holds the order, ``chain`` what is made from what, ``options`` every
-option.
+The map; :mod:`pipeline.steel.run` holds the order, ``station_stages`` and ``chain`` what is made from
+what, ``options`` every option.
 
 - the survey: ``survey``, ``survey_records``
 - a station: ``clouds`` (``cloud_readers``), ``targets`` (``range_image``, ``spheres``, ``sphere_fit``),

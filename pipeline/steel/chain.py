@@ -1,61 +1,31 @@
-"""How the steel stages hang together: what each is made from, so when it is made again.
+"""One steel survey through the stages: builds on the stations' stages, asks for each stage's products.
 
-Takes the survey, the options and the run folder; gives products.  Holds no algorithm; the order is in
-``run.py``.
+What is made from what stands here and in :mod:`pipeline.steel.station_stages`; the order is in ``run.py``.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import dataclass
 from typing import Any
 
 from pipeline.core.errors import StageError
-from pipeline.core.events import Emit, Event, part
-from pipeline.core.parallel import side_by_side, workers_for
-from pipeline.core.runfolder import Product, RunFolder
+from pipeline.core.events import Event, part
+from pipeline.core.runfolder import Product
 from pipeline.core.store import stamp_file
-from pipeline.steel.chained import compare_chained
-from pipeline.steel.clouds import StationCloud, import_cloud, station_points
 from pipeline.steel.columns import Column, measure_columns
 from pipeline.steel.deflection import Deflection, measure_deflection
 from pipeline.steel.fuse import fuse
 from pipeline.steel.fuse_records import Fusion
-from pipeline.steel.icp import compare_icp
 from pipeline.steel.member_records import Members, NominalSizes, ball_features
 from pipeline.steel.members import find_members
-from pipeline.steel.naming import name_features
 from pipeline.steel.nodes import Node, measure_nodes
-from pipeline.steel.options import SteelOptions
 from pipeline.steel.photo_model import PhotoModel, photo_model
 from pipeline.steel.photo_sparse import pictures_in
-from pipeline.steel.records import StationFeatures, chosen_poses
-from pipeline.steel.register import register
-from pipeline.steel.registration_records import ChainedRegistration, IcpRegistration, Registration
+from pipeline.steel.records import chosen_poses
+from pipeline.steel.registration_records import Registration
 from pipeline.steel.scan_cloud import scan_cloud
+from pipeline.steel.station_stages import StationStages, told_as
 from pipeline.steel.steel_run import SteelRun
-from pipeline.steel.survey_records import ScanStation, SteelSurvey
-from pipeline.steel.target_table import read_target_table
-from pipeline.steel.targets import find_targets
 from pipeline.steel.tile_records import Tiles
 from pipeline.steel.tiles import build_tiles
-
-type _PerStation = Callable[[ScanStation, Emit], Product[Any]]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Registered:
-    """The stations' features with their names, and all stations in the site frame."""
-
-    features: tuple[StationFeatures, ...]
-    registration: Registration
-
-
-@dataclass(frozen=True, kw_only=True)
-class Comparison:
-    """Other ways to register the same stations; ``icp`` is None where fewer than two have clouds."""
-
-    chained: ChainedRegistration
-    icp: IcpRegistration | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,24 +38,8 @@ class Measured:
     cautions: tuple[str, ...]
 
 
-def _named(stage: str, emit: Emit) -> Emit:
-    """An ``emit`` for a step that tells of itself by another name than the stage it is part of."""
-    return lambda event: emit(replace(event, stage=stage))
-
-
-def _unclosed(emit: Emit, event: Event) -> None:
-    """Pass an event on; that a stage is at its end only the chain can tell."""
-    emit(replace(event, total=event.done + 1) if event.done >= event.total and not event.block else event)
-
-
-class SteelChain:
-    """The products so far; ``made["targets"][2]`` is the third station's."""
-
-    def __init__(self, survey: SteelSurvey, options: SteelOptions, folder: RunFolder, emit: Emit) -> None:
-        self._survey, self._options, self._folder = survey, options, folder
-        self._close, self._emit = emit, partial(_unclosed, emit)
-        self._scanned = tuple(s for s in survey.stations if s.cloud is not None)
-        self.made: dict[str, list[Product[Any]]] = {}
+class SteelChain(StationStages):
+    """Runs stages by name and gathers what they found."""
 
     def run(self, name: str) -> None:
         """Make one stage's products; a stage that this survey gives nothing to work on makes none."""
@@ -115,86 +69,6 @@ class SteelChain:
             cautions=measured.cautions,
         )
 
-    def _value(self, stage: str, otherwise: Any = None) -> Any:  # noqa: ANN401 - products of every kind
-        return self.made[stage][0].value if self.made[stage] else otherwise
-
-    def _station_by_station(
-        self, stage: str, make: _PerStation, stations: tuple[ScanStation, ...]
-    ) -> list[Product[Any]]:
-        jobs = [partial(make, station) for station in stations]
-        with self._folder.side_by_side(stage):
-            return side_by_side(jobs, self._emit, workers_for(len(jobs)))
-
-    def _clouds(self) -> list[Product[Any]]:
-        def imported(station: ScanStation, emit: Emit) -> Product[StationCloud]:
-            out = self._folder.path / "stations"
-            source = None if station.cloud is None else stamp_file(station.cloud)
-            return self._folder.product(
-                "clouds",
-                StationCloud,
-                lambda: import_cloud(station, out, emit),
-                source,
-                station.unit,
-                block=station.name,
-            )
-
-        return self._station_by_station("clouds", imported, self._scanned)
-
-    def _cloud_of(self, station: ScanStation) -> Product[StationCloud] | None:
-        return next((p for p in self.made["clouds"] if p.value.station == station.name), None)
-
-    def _targets(self) -> list[Product[Any]]:
-        """Targets named by hand where a table is given, else those found in the cloud."""
-        survey = self._survey
-
-        def found(station: ScanStation, emit: Emit) -> Product[StationFeatures]:
-            table, cloud = station.targets, self._cloud_of(station)
-
-            def make() -> StationFeatures:
-                if table is not None:
-                    return read_target_table(table, station.name, survey.scanner)
-                if cloud is None:
-                    raise StageError(
-                        "targets",
-                        f"the station {station.name} has neither cloud nor targets",
-                        "give station.cloud or station.targets in the survey",
-                    )
-                points = station_points(cloud.value.path)
-                return find_targets(points, station.name, survey, self._options.targets, emit)
-
-            source = None if table is None else stamp_file(table)
-            needs = (source, cloud, survey.scanner, survey.targets, survey.structure, self._options.targets)
-            return self._folder.product("targets", StationFeatures, make, *needs, block=station.name)
-
-        return self._station_by_station("targets", found, survey.stations)
-
-    def _register(self) -> list[Product[Any]]:
-        survey, options = self._survey, self._options
-
-        def make() -> Registered:
-            found = [p.value for p in self.made["targets"]]
-            told = _named("register", part(self._emit, 0.0, 0.3))
-            named = name_features(found, survey.base.name, survey.scanner.levelled, options.targets, told)
-            registration = register(survey, named, options.register, part(self._emit, 0.3, 1.0))
-            return Registered(features=tuple(named), registration=registration)
-
-        needs = (*self.made["targets"], survey.scanner, survey.control, survey.base.name)
-        return [self._folder.product("register", Registered, make, *needs, options.targets, options.register)]
-
-    def _compare(self) -> list[Product[Any]]:
-        registered: Registered = self._value("register")
-        clouds = {p.value.station: p.value.path for p in self.made["clouds"]}
-        icp = self._options.icp
-
-        def make() -> Comparison:
-            first, second = (_named("compare", part(self._emit, *span)) for span in ((0.0, 0.2), (0.2, 1.0)))
-            chained = compare_chained(self._survey, registered.features, registered.registration, first)
-            pairs = compare_icp(registered.registration, clouds, icp, second) if len(clouds) > 1 else None
-            return Comparison(chained=chained, icp=pairs)
-
-        needs = (*self.made["register"], *self.made["clouds"], self._survey.scanner, icp)
-        return [self._folder.product("compare", Comparison, make, *needs)]
-
     def _tiles(self) -> list[Product[Any]]:
         registration: Registration = self._value("register").registration
         if not self._scanned:
@@ -204,7 +78,7 @@ class SteelChain:
         stations = [(pose.name, path, pose) for pose, path in zip(poses, clouds, strict=True)]
 
         def make() -> Tiles:
-            emit = _named("tiles", self._emit)
+            emit = told_as("tiles", self._emit)
             return build_tiles(stations, self._options.tiles, self._folder.path / "tiles", emit)
 
         needs = (*self.made["clouds"], *self.made["register"], self._options.tiles)
@@ -257,7 +131,7 @@ class SteelChain:
         files = [(file.name, stamp_file(file)) for file in pictures_in(photos.source)]
 
         def make() -> PhotoModel:
-            emit = _named("photos", self._emit)
+            emit = told_as("photos", self._emit)
             return photo_model(photos.source, photos.focal_px, scratch, options, emit)
 
         return [self._folder.product("photos", PhotoModel, make, files, photos.focal_px, options)]
@@ -268,7 +142,7 @@ class SteelChain:
             return []
 
         def make() -> Fusion:
-            emit = _named("fuse", self._emit)
+            emit = told_as("fuse", self._emit)
             read, fused = part(emit, 0.0, 0.2), part(emit, 0.2, 1.0)
             scan = scan_cloud(self._value("tiles"), read)
             spheres = (*self._value("register").registration.features, *ball_features(self._value("members")))

@@ -1,8 +1,9 @@
 """The order of the steel pipeline, and no algorithm.
 
 survey -> each station (clouds, targets) -> all stations (register, compare) -> the registered cloud (tiles,
-members, measure) -> photos, fuse.  Every arrow is a product in the run folder, wired in ``chain.py``;
-:mod:`pipeline.core.runfolder` tells what is kept and what is made again.
+members, measure) -> photos, fuse.  Every arrow is a product in the run folder, wired in
+``station_stages.py`` and ``chain.py``; :mod:`pipeline.core.runfolder` tells what is kept and what is made
+again.
 """
 
 from pipeline.core.events import Emit

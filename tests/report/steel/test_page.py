@@ -193,7 +193,13 @@ def true_of(report):
             for row in report.rods
         ],
         "nodes": [
-            {"name": row.name, "ball_m": row.ball_m, "radius_mm": 100.0, "eccentricity_mm": [6.0, 8.0, 0.0]}
+            {
+                "name": row.name,
+                "ball_m": row.ball_m,
+                "rods_m": row.rods_m,
+                "radius_mm": 100.0,
+                "eccentricity_mm": [6.0, 8.0, 0.0],
+            }
             for row in report.nodes
         ],
         "columns": [

@@ -4,12 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.interpolate import RegularGridInterpolator
 from scipy.spatial.transform import Rotation
 
-from pipeline.cable.ring import Alignment
+from pipeline.cable.ring import Alignment, _own_coordinates
 from tests.cable import pieces, scene
 
 TEXTURE = scene.Texture(seed=3)
+RADIUS_M = 0.055
 
 
 def oval(azimuth, y_m):
@@ -50,6 +52,24 @@ def test_no_cell_stays_empty_because_the_blocks_cells_are_coarser():
     assert np.isfinite(coarse.radius_m[inside(coarse)]).mean() > 0.999
     assert 0.8 < 1000 * np.diff(coarse.y_m).mean() < 1.2
     assert 1000 * np.diff(fine.y_m).mean() == pytest.approx(2.0)
+
+
+def test_a_block_that_stands_askew_knows_its_own_coordinates_of_every_place():
+    """Turned about all three axes by up to 0.05 degrees, as adjusted blocks are at most."""
+    azimuth, y_m = np.linspace(-0.9, 0.9, 90), np.linspace(0.0, 0.4, 200)
+    turn, rise = np.meshgrid(azimuth, y_m)
+    own = RADIUS_M * np.stack([np.cos(turn), rise / RADIUS_M, -np.sin(turn)], axis=-1)
+    motion = Rotation.from_euler("xyz", [0.03, -0.05, 0.04], degrees=True)
+    shift = np.array([0.0004, -0.0006, 0.0005])
+    points = motion.apply(own.reshape(-1, 3)).reshape(own.shape) + shift
+    around, along = np.arctan2(-points[..., 2], points[..., 0]), points[..., 1]
+    found_turn, found_rise = _own_coordinates(points, azimuth, y_m, azimuth, y_m)
+    for got, put in ((found_turn, RADIUS_M * turn), (found_rise, rise)):
+        got = RegularGridInterpolator((y_m, azimuth), got, bounds_error=False)(
+            np.stack([along, around], axis=-1)
+        )
+        away_mm = 1000 * ((RADIUS_M * got if put is not rise else got) - put)
+        assert 1e-6 < np.nanmax(np.abs(away_mm)) < 0.04
 
 
 def test_a_tilted_shifted_ring_is_laid_onto_the_y_axis():

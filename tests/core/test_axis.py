@@ -32,6 +32,14 @@ def test_rolling_undoes_unrolling():
         np.testing.assert_allclose(got, put, atol=1e-13)
 
 
+def test_a_grid_rolls_as_its_points_do_one_by_one():
+    azimuth, y_m = np.linspace(-2.0, 2.5, 7), np.linspace(0.1, 0.4, 5)
+    radius = 0.055 + 0.001 * np.random.default_rng(4).random((5, 7))
+    turn, along = np.meshgrid(azimuth, y_m)
+    one_by_one = BOWED.roll(turn.ravel(), along.ravel(), radius.ravel()).reshape(5, 7, 3)
+    np.testing.assert_allclose(BOWED.roll_grid(azimuth, y_m, radius), one_by_one, atol=1e-15)
+
+
 def test_the_axis_of_a_fitted_cylinder_lies_on_the_cylinder_s_own():
     azimuth, y_m, _ = places(2000)
     tilted = AxisCurve(origin_y_m=0.25, coefficients=np.array([[0.002, 0.03, 0.0], [-0.001, -0.02, 0.0]]))

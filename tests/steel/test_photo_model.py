@@ -11,7 +11,7 @@ from pipeline.core.events import silent
 from pipeline.core.fits import fit_similarity
 from pipeline.steel.photo_dense import densify
 from pipeline.steel.photo_records import DepthOptions, SparseOptions
-from pipeline.steel.photo_sparse import orient, pictures_in
+from pipeline.steel.photo_sparse import _features, orient, pictures_in
 from pipeline.steel.photo_targets import find_targets
 from tests.steel.photo_scene import Scene, flight
 
@@ -47,6 +47,22 @@ def test_all_photos_are_oriented_and_the_focal_length_is_found(photos):
     assert 0.01 < photos.reprojection_px < 0.5
     fit = placed(photos)
     assert np.abs(fit.residuals).max() < 0.02
+
+
+def test_marks_lie_where_spots_are_counted_from_the_corner(tmp_path):
+    """A quarter of a pixel off, as OpenCV's places are by default, photos of opposite headings contradict."""
+    rng, fine = np.random.default_rng(5), 4
+    away = []
+    for number in range(12):
+        spot, sigma = rng.uniform(60, 90, 2), rng.uniform(3, 7)
+        rows, columns = (np.mgrid[: 150 * fine, : 150 * fine] + 0.5) / fine
+        light = 30 + 200 * np.exp(-((columns - spot[0]) ** 2 + (rows - spot[1]) ** 2) / (2 * sigma**2))
+        picture = cv2.resize(light, (150, 150), interpolation=cv2.INTER_AREA)
+        file = tmp_path / f"{number}.png"
+        cv2.imwrite(str(file), np.rint(picture).astype(np.uint8))
+        (places, _), _ = _features(file, SparseOptions(features=200))
+        away.append(places[np.argmin(np.linalg.norm(places - spot, axis=1))] - spot)
+    assert np.abs(np.mean(away, axis=0)).max() < 0.1
 
 
 def test_orientation_is_the_same_every_time(folder, photos, tmp_path):

@@ -55,6 +55,27 @@ def test_errors_are_as_large_as_the_sigmas_say(levelled):
     assert np.mean(inside) > 0.9
 
 
+def test_stations_know_how_alike_their_errors_are():
+    """Neighbours far from the base err together: their difference is far better known than either place."""
+    standardised, shares = [], []
+    for seed in range(40):
+        simulated = simulate(12, seed)
+        poses = registered(simulated).poses
+        np.testing.assert_allclose(poses[-1].among[-2], poses[-2].among[-1].T, atol=1e-15)
+        np.testing.assert_allclose(poses[-1].among[-1], poses[-1].covariance, atol=1e-18)
+        far, near = poses[-1], poses[-2]
+        apart = (far.translation - near.translation) - (
+            simulated.translations[-1] - simulated.translations[-2]
+        )
+        alone = far.covariance[3:, 3:] + near.covariance[3:, 3:]
+        together = far.among[-2][3:, 3:]
+        variance = np.diag(alone - together - together.T)
+        standardised.append(apart**2 / variance)
+        shares.append(variance / np.diag(alone))
+    assert 0.7 < np.mean(standardised) < 1.4
+    assert np.median(shares) < 0.8
+
+
 def test_the_base_is_the_frame_and_features_come_out_in_it():
     simulated = simulate(8, 3)
     found = registered(simulated)

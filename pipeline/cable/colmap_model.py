@@ -35,8 +35,9 @@ def write_sparse_model(folder: Path, frames: FrameSequence, orientation: Orienta
     model.add_camera_with_trivial_rig(camera)
     rows = [np.flatnonzero(orientation.frame == k) for k in range(len(frames))]
     for k, file in enumerate(frames.files):
-        image = pycolmap.Image(name=file.name, points2D=pycolmap.Point2DList(), camera_id=1, image_id=k + 1)
-        image.points2D = pycolmap.Point2DList([pycolmap.Point2D(p) for p in orientation.pixels[rows[k]]])
+        image = pycolmap.Image(
+            name=file.name, keypoints=orientation.pixels[rows[k]], camera_id=1, image_id=k + 1
+        )
         pose = pycolmap.Rigid3d(
             pycolmap.Rotation3d(orientation.poses.rotations[k]), orientation.poses.translations[k]
         )

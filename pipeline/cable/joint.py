@@ -29,6 +29,7 @@ from pipeline.cable.joint_weights import weighed
 from pipeline.cable.pos import RobotPriors
 from pipeline.core.bundle import BundleOptions, BundleResult, adjust_bundle
 from pipeline.core.events import Emit, Event
+from pipeline.core.parallel import each_side_by_side
 from pipeline.core.rig import Observations, Rig
 from pipeline.core.smooth_surface import SurfacePrior
 from pipeline.core.vocabulary import Array
@@ -131,8 +132,12 @@ def _ring(
     ties = np.arange(len(measured)) < len(measured) - len(shared.pixels)
     residual = _in_pixels(measured, result)[~ties]
     section_y, total, lens_part = diameter_sigmas(result, len(blocks), robot.y_m)
+
+    def block(number: int) -> Orientation:
+        return _block(number, blocks[number], result, options.gross_px)
+
     return RingOrientation(
-        blocks=tuple(_block(n, b, result, options.gross_px) for n, b in enumerate(blocks)),
+        blocks=tuple(each_side_by_side(block, range(len(blocks)))),
         covariance=block_covariance(result, len(blocks)),
         section_y_m=section_y,
         diameter_sigma_mm=total,

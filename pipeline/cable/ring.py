@@ -202,7 +202,8 @@ def _add_colour(
 ) -> None:
     """Look the ring's texels up in one block's picture, through the block's own surface coordinates."""
     surface, picture = block.surface, block.picture
-    turn, rise = _own_coordinates(points, surface.azimuth, surface.y_m, azimuth, y_m)
+    columns = _columns_of(points[crop.keep], azimuth)
+    turn, rise = _own_coordinates(points, surface.azimuth, surface.y_m, azimuth[columns], y_m)
     texel = _place_on(picture.azimuth, turn), _place_on(picture.y_m, rise)
     cell = _place_on(surface.azimuth, turn), _place_on(surface.y_m, rise)
     colour = cv2.remap(picture.colour, *texel, cv2.INTER_CUBIC)
@@ -210,8 +211,16 @@ def _add_colour(
     keep = cv2.remap(crop.keep.astype(np.float32), *cell, cv2.INTER_LINEAR) > 0.5
     across = np.interp(cell[0], np.arange(len(square)), square, left=0, right=0).astype(np.float32)
     factor = across * (known & keep)
-    sums[0][...] += colour * (np.float32(gain) * factor)[..., None]
-    sums[1][...] += factor
+    sums[0][:, columns] += colour * (np.float32(gain) * factor)[..., None]
+    sums[1][:, columns] += factor
+
+
+def _columns_of(points: Array, azimuth: Array) -> NDArray[np.int64]:
+    """Which of the ring's columns lie over the block's points (n, 3), the neighbours of the outermost too."""
+    turn = np.arctan2(-points[:, 2], points[:, 0])
+    middle = np.angle(np.exp(1j * turn).sum())
+    half = np.abs(np.angle(np.exp(1j * (turn - middle)))).max() + 2 * (azimuth[1] - azimuth[0])
+    return np.flatnonzero(np.abs(np.angle(np.exp(1j * (azimuth - middle)))) <= half)
 
 
 def _place_on(grid: Array, values: Array) -> NDArray[np.float32]:

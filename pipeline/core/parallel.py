@@ -11,7 +11,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from queue import SimpleQueue
 
 from pipeline.core.errors import Cancelled
-from pipeline.core.events import Emit, Event
+from pipeline.core.events import Emit, Event, silent
 
 MOST_WORKERS = 4
 """Each block that is worked on holds its own pictures in memory."""
@@ -73,6 +73,11 @@ def side_by_side[T](jobs: Sequence[Callable[[Emit], T]], emit: Emit, workers: in
             for future in futures:
                 future.cancel()
     return [future.result() for future in futures]
+
+
+def each_side_by_side[T, R](work: Callable[[T], R], items: Sequence[T]) -> list[R]:
+    """``work`` of every item, for work so short that it tells no progress."""
+    return side_by_side([lambda _, item=item: work(item) for item in items], silent, workers_for(len(items)))
 
 
 def _failed[T](future: Future[T]) -> bool:

@@ -13,6 +13,7 @@ from pipeline.cable.measure import Section
 from pipeline.cable.records import BlockRun, CableRun
 from pipeline.cable.relief import Relief
 from pipeline.core.fits.cylinder import Cylinder, fit_cylinder
+from pipeline.core.parallel import each_side_by_side
 from pipeline.core.pictures import read_colour
 from pipeline.core.vocabulary import Array
 from pipeline.report.model import ring_mesh
@@ -52,7 +53,7 @@ def collect(
         stations=tuple(_station(s) for s in measurement.sections),
         truth=truth,
         lens_pictures=(_lens_pictures(run.blocks[0]),),
-        lens_effects=tuple(e for b in run.blocks if (e := _lens_effect(b)) is not None),
+        lens_effects=tuple(e for e in each_side_by_side(_lens_effect, run.blocks) if e is not None),
         unrolled=_unrolled(ring.picture, ring.texel_mm, ring.picture_azimuth, ring.picture_y_m),
         block_unrolled=tuple(_block_picture(b) for b in run.blocks),
         profile=DiameterProfile(

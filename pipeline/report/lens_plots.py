@@ -38,7 +38,9 @@ def lens_effect_plot(effect: LensEffect, angle_deg: float, name: str, language: 
     diameters = (effect.diameter_uncorrected_mm, effect.diameter_corrected_mm)
     bows = (effect.bow_uncorrected_mm, effect.bow_corrected_mm)
     with plot_style():
-        figure = Figure(figsize=(10.4, 5.4), layout="constrained")
+        figure = Figure(figsize=(10.4, 5.4))
+        # the report's largest plots, one of each block: laying them out by itself would draw each twice
+        figure.subplots_adjust(left=0.07, right=0.995, bottom=0.09, top=0.95, wspace=0.04, hspace=0.33)
         grid = figure.subplots(2, 2, sharex="row", sharey="row", height_ratios=(1, 1.45))
         _set_section_limits(grid[1, 0], views)
         for column, (view, colour) in enumerate(zip(views, (VERMILLION, BLUE), strict=True)):

@@ -7,7 +7,7 @@ import pytest
 
 from pipeline.core.errors import Cancelled, StageError
 from pipeline.core.events import Event, silent
-from pipeline.core.parallel import side_by_side, workers_for
+from pipeline.core.parallel import each_side_by_side, side_by_side, workers_for
 
 
 def telling(number, steps=5, pause_s=0.002):
@@ -69,6 +69,12 @@ def test_the_failure_told_is_always_that_of_the_first_job_that_fails():
     with pytest.raises(StageError, match="slow"):
         side_by_side(jobs, silent, 4)
     assert time.monotonic() - began < 2
+
+
+def test_short_work_on_every_item_gives_the_results_in_order_and_the_first_failure():
+    assert each_side_by_side(lambda n: 10 * n, range(5)) == [0, 10, 20, 30, 40]
+    with pytest.raises(ZeroDivisionError):
+        each_side_by_side(lambda n: 1 / n, [2, 1, 0])
 
 
 def test_no_more_workers_than_jobs_and_at_least_one():

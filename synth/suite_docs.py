@@ -3,6 +3,7 @@
 Takes results; writes DOCS/benchmark.md and DOCS/images/benchmark-*.svg.
 """
 
+import math
 from pathlib import Path
 
 from synth.files import write_text
@@ -49,6 +50,12 @@ SIGMAS = """## What sigma is worth
 ![Every station's error in its sigmas, by scenario and as a histogram](images/benchmark-sigma.svg)
 """
 
+OVERALL = """
+Of all {count} stations {one:.0f} % lie within one sigma and {two:.0f} % within two (68 and 95 if sigma were
+exact); the root mean square of error over sigma is {rms:.2f}. Stations of one survey share that survey's errors,
+so a scenario of one seed says little by itself.
+"""
+
 
 def write_docs(results: Results, docs: Path) -> Path:
     """Write the page and its pictures.
@@ -87,7 +94,8 @@ def write_docs(results: Results, docs: Path) -> Path:
         overclaimed=OVERCLAIMED_DEG,
     )
     write_text(
-        docs / "benchmark.md", page + scenarios_markdown(results) + reading + _extras(results) + SIGMAS
+        docs / "benchmark.md",
+        page + scenarios_markdown(results) + reading + _extras(results) + SIGMAS + _overall(results),
     )
     return docs / "benchmark.md"
 
@@ -98,6 +106,21 @@ def _extras(results: Results) -> str:
         return ""
     lines = ["Beside the diameter (target in brackets):", ""]
     return "\n".join([*lines, *(f"- {name}: {words}" for name, words in rows), "", ""])
+
+
+def _overall(results: Results) -> str:
+    """What sigma is worth over all scenarios."""
+    errors = [error for case in results.cases for error in case.errors_mm]
+    in_sigmas = [difference / sigma for difference, sigma in errors if sigma]
+    if not in_sigmas:
+        return ""
+    found = figures(results.cases)
+    return OVERALL.format(
+        count=len(errors),
+        one=100 * (found.within_1_sigma or 0.0),
+        two=100 * (found.within_2_sigma or 0.0),
+        rms=math.sqrt(sum(z**2 for z in in_sigmas) / len(in_sigmas)),
+    )
 
 
 def _programs(results: Results) -> str:

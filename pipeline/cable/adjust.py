@@ -73,6 +73,8 @@ class Orientation:
         datum_information: (7, 7) weight with which the POS holds the block against a similarity about the
             datum origin: rotation vector (rad), shift (m), scale.
         lens_effect: None where the lens has no distortion to correct.
+        readout_m: way that the camera travels along the cable while a frame's rows are read (rolling
+            shutter); poses are those of the middle row, points as a frame of one moment would have them.
     """
 
     lens: Lens
@@ -88,6 +90,7 @@ class Orientation:
     datum_origin: Array
     datum_information: Array
     lens_effect: LensEffect | None
+    readout_m: float = 0.0
 
 
 def adjust_block(
@@ -165,7 +168,7 @@ def intersect_block(
         if good.all():
             break
         measured = _seen_twice(measured.subset(good))
-    placed, residuals = intersect_points(placed, measured, iterations=2)
+    placed, residuals = intersect_points(placed, measured, gross_errors=False)
     return measured, placed.points, residuals
 
 

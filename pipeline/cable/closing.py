@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cable.adjust import Orientation
+from pipeline.cable.sheets import Gray
 from pipeline.cable.surface import BlockSurface
 from pipeline.cable.texture import TextureOptions, UnrolledPicture, texture_block
-from pipeline.cable.tracking import Gray, Tracker, TrackOptions
+from pipeline.cable.tracking import Tracker, TrackOptions
 from pipeline.cable.unrolled_match import Correspondences, UnrolledMatchOptions, match_unrolled
 from pipeline.core.axis import axis_of_cylinder
 from pipeline.core.events import Emit, Event, part
@@ -135,7 +136,7 @@ def find_shared_marks(blocks: tuple[ClosingBlock, ...], options: ClosingOptions,
         for name in ("block", "frame", "mark", "pixels")
     }
     points = [
-        u.tracker.surface(u.tracker.places(*m.first.T))
+        u.tracker.sheets.surface(u.tracker.sheets.places(*m.first.T))
         for (u, _), m in zip(combinations(unrolled, 2), matches, strict=True)
     ]
     everything = SharedMarks(
@@ -211,7 +212,7 @@ def _joined(sides: list[_Side]) -> _Side:
 def _follow(number: int, unrolled: _Unrolled, side: _Side, emit: Emit) -> _Seen:
     """Every measurement of a block's marks."""
     tracker, emit = unrolled.tracker, _telling(unrolled.block, part(emit, 0.5, 1.0))
-    where = tracker.places(side.places[:, 0], side.places[:, 1])
+    where = tracker.sheets.places(side.places[:, 0], side.places[:, 1])
     along = unrolled.block.orientation.poses.centres[:, 1]
     home = np.abs(side.places[:, 1:] - along).argmin(axis=1)
     parts = [_Seen()]

@@ -54,6 +54,8 @@ class RingOrientation:
         strips: the same for each block's strip of surface: what a measured section's sigma is made of.
         shared_marks: marks that two blocks share.
         shared_residual_px: root mean square residual of the shared marks.
+        readout_mm, readout_sigma_mm: way that the robot travels while a frame's rows are read (rolling
+            shutter), and its standard deviation; sigma 0: taken as given.
         iterations: steps of the last adjustment.
         surface_effect: what the surface prior changes; None where it was not asked for.
     """
@@ -66,6 +68,8 @@ class RingOrientation:
     strips: RingSigmas
     shared_marks: int
     shared_residual_px: float
+    readout_mm: float
+    readout_sigma_mm: float
     iterations: int
     surface_effect: SurfaceEffect | None
 
@@ -147,6 +151,8 @@ def _ring(
         ),
         shared_marks=len(shared.points),
         shared_residual_px=float(np.sqrt(np.nanmean(np.sum(residual**2, axis=1)))) if len(residual) else 0.0,
+        readout_mm=1000 * result.rig.readout_m,
+        readout_sigma_mm=1000 * float(np.sqrt(result.covariance[-1, -1])),
         iterations=result.iterations,
         surface_effect=None,
     )
@@ -204,5 +210,6 @@ def _block(number: int, block: JointBlock, result: BundleResult, gross_px: float
         residuals=residuals,
         keypoints=keypoints,
         reprojection_px=rms(residuals),
+        readout_m=result.rig.readout_m,
         datum_origin=np.array([0.0, poses.centres[:, 1].mean(), 0.0]),
     )

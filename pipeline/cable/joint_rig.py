@@ -37,6 +37,8 @@ class JointOptions:
         gross_px: measurements further off than this are left out in the end.
         points_per_block: so many tie points of each block take part, those seen most often.
         principal_point_share: standard deviation of an uncalibrated principal point, as a share of the width.
+        readout_sigma_mm: how far the robot may travel while a frame's rows are read one after the other
+            (rolling shutter), as a standard deviation; 0: all rows are exposed at once (global shutter).
         surface_sigma_mm: adjust once more with the weak prior that the surface is locally smooth, from which
             it departs by so much; 0: do not.  The report shows the diameters without and with it.
         surface_patch_mm: side of the patches over which these departures are alike.
@@ -51,6 +53,7 @@ class JointOptions:
     gross_px: float = field(default=1.5, metadata={"above": 0.0})
     points_per_block: int = field(default=2500, metadata={"minimum": 50})
     principal_point_share: float = field(default=0.01, metadata={"minimum": 0.0})
+    readout_sigma_mm: float = field(default=5.0, metadata={"minimum": 0.0})
     surface_sigma_mm: float = field(default=0.0, metadata={"minimum": 0.0})
     surface_patch_mm: float = field(default=20.0, metadata={"above": 0.0})
     surface_used: bool = False
@@ -110,6 +113,7 @@ def rig_priors(
         body_sigmas=robot.body_sigmas,
         mount_sigmas=np.tile(robot.mount_sigmas, (len(blocks), 1)),
         lens_sigmas=np.array(lenses),
+        readout_sigma_m=options.readout_sigma_mm / 1000,
     )
 
 
@@ -144,7 +148,13 @@ def gather(
         pixels=np.concatenate([*pixels, shared.pixels]),
         looseness=looseness,
     )
-    return measured, place[order]
+    return replace(measured, moment=_moments(measured, blocks)), place[order]
+
+
+def _moments(measured: Observations, blocks: tuple[JointBlock, ...]) -> Array:
+    """When each measurement's row was read: the rows of a frame follow each other from top to bottom."""
+    heights = np.array([b.orientation.lens.height_px for b in blocks])
+    return measured.pixels[:, 1] / heights[measured.camera] - 0.5
 
 
 def camera_poses(rig: Rig, camera: int) -> Poses:

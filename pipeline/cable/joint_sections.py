@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pipeline.core.bundle import BundleResult
 from pipeline.core.fits.cylinder import fit_cylinder
 from pipeline.core.normals import gradient_through_points
-from pipeline.core.rig import LENS_PARAMETERS, Observations
+from pipeline.core.rig import Observations
 from pipeline.core.vocabulary import Array
 
 SECTION_STEP_M = 0.02
@@ -125,5 +125,5 @@ def _near(along_m: Array, place_m: float) -> NDArray[np.int64]:
 
 def _free_lenses(result: BundleResult) -> NDArray[np.int64]:
     """The lens unknowns that are not held."""
-    first = result.rig.unknowns - LENS_PARAMETERS * len(result.rig.lenses)
-    return first + np.flatnonzero(np.diag(result.covariance)[first:] > 0)
+    lenses = result.rig.lens_unknowns
+    return lenses.start + np.flatnonzero(np.diag(result.covariance)[lenses] > 0)

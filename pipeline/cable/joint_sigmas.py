@@ -25,7 +25,7 @@ def refined_lens(number: int, stated: Lens, result: BundleResult) -> Lens:
         return stated  # held: it comes back to the last digit
     rig = result.rig
     lens = with_unknowns(stated, rig.lenses[number])
-    first = POSE_PARAMETERS * (len(rig.body_rotations) + len(rig.lenses)) + LENS_PARAMETERS * number
+    first = rig.lens_unknowns.start + LENS_PARAMETERS * number
     sigmas = np.sqrt(np.diag(result.covariance)[first : first + LENS_PARAMETERS])
     per_lambda = bend_per_lambda(lens)
     return replace(lens, focal_sigma_px=float(sigmas[0]), lambda_sigma=float(sigmas[3] / per_lambda))
@@ -78,8 +78,8 @@ def diameter_sigmas(result: BundleResult, blocks: int, y_m: Array) -> tuple[Arra
         gains[number, near] = 2 * np.linalg.pinv(design)[0][:, None] * out
     gradient = 1000 * gradient_through_points(result.normals, gains)
     total = np.einsum("nu,uv,nv->n", gradient, result.covariance, gradient)
-    free = POSE_PARAMETERS * (len(result.rig.body_rotations) + blocks)
-    lens = free + np.flatnonzero(np.diag(result.covariance)[free:] > 0)
+    lenses = result.rig.lens_unknowns
+    lens = lenses.start + np.flatnonzero(np.diag(result.covariance)[lenses] > 0)
     if not len(lens):
         return places, np.sqrt(total), np.zeros_like(total)
     towards = gradient @ result.covariance[:, lens]

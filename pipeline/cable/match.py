@@ -12,7 +12,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cable.tracking import Gray, Track, Tracker, TrackOptions
+from pipeline.cable.sheets import Gray
+from pipeline.cable.tracking import Track, Tracker, TrackOptions
 from pipeline.core.axis import AxisCurve
 from pipeline.core.division import pixels_to_rays, rays_to_pixels, undistorted_lens
 from pipeline.core.epipolar import (

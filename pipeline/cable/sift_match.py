@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cable.tracking import Gray, normalise
+from pipeline.cable.sheets import Gray, normalise
 from pipeline.core.division import pixels_to_rays
 from pipeline.core.rotations import nominal_cam_from_world
 from pipeline.core.vocabulary import Array, Lens, TravelDirection

@@ -12,8 +12,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.cable.sheets import normalise
 from pipeline.cable.texture import UnrolledPicture
-from pipeline.cable.tracking import normalise
 from pipeline.core.vocabulary import Array
 
 

@@ -28,6 +28,8 @@ from pipeline.core.smooth_surface import SurfacePrior
 from pipeline.core.vocabulary import Array
 
 FIRST_DAMPING = 1e-8  # weak modes (focal length against stand-off) do not move under more
+INTERSECTION_STEPS = 5
+STILL_M = 2e-6  # the next step of an intersection is some thirty times shorter
 WORST_PX = 50.0  # what a point behind the camera costs, so that a step cannot win by hiding points there
 
 
@@ -40,17 +42,20 @@ class RigPriors:
         body_sigmas: (F, 6) rotation vector in radians, then centre in metres.
         mount_sigmas: (C, 6) the same for the mountings.
         lens_sigmas: (C, 4) focal length and principal point in pixels, bend q.
+        readout_sigma_m: of the way travelled while a frame is read.
     """
 
     reference: Rig
     body_sigmas: Array
     mount_sigmas: Array
     lens_sigmas: Array
+    readout_sigma_m: float = 0.0
 
     @property
     def sigmas(self) -> Array:
         """All standard deviations in the order of the unknowns."""
-        return np.concatenate([s.ravel() for s in (self.body_sigmas, self.mount_sigmas, self.lens_sigmas)])
+        cameras = (self.body_sigmas, self.mount_sigmas, self.lens_sigmas)
+        return np.concatenate([*(s.ravel() for s in cameras), [self.readout_sigma_m]])
 
     def deviation(self, rig: Rig) -> Array:
         """How far ``rig`` stands from the reference, in the order of the unknowns."""
@@ -65,6 +70,7 @@ class RigPriors:
                 poses(rig.body_rotations, seen.body_rotations, rig.body_centres, seen.body_centres),
                 poses(rig.mount_rotations, seen.mount_rotations, rig.mount_centres, seen.mount_centres),
                 (rig.lenses - seen.lenses).ravel(),
+                [rig.readout_m - seen.readout_m],
             ]
         )
 
@@ -165,19 +171,26 @@ def adjust_bundle(
     )
 
 
-def intersect_points(rig: Rig, observations: Observations, iterations: int = 5) -> tuple[Rig, Array]:
+def intersect_points(rig: Rig, observations: Observations, *, gross_errors: bool = True) -> tuple[Rig, Array]:
     """Intersect the rays of every point, orientations held.
 
-    From the third step on, when the points are near their place, gross errors are weighted down.
+    Args:
+        rig: its points are near their places.
+        observations: image measurements.
+        gross_errors: weigh them down from the third step on, when the points are nearer to their places.
 
     Returns:
         The rig with its points moved, and the (N, 2) residuals in pixels.
     """
-    for number in range(iterations):
+    for number in range(INTERSECTION_STEPS):
         state = linearise(rig, observations, by_orientation=False)
         weights = _weights(state.residuals, BundleOptions())
-        roots = np.sqrt(weights) if number >= 2 else (weights > 0).astype(float)
-        rig = replace(rig, points=rig.points + point_steps(*point_equations(state, roots, len(rig.points))))
+        weighing = gross_errors and number >= 2
+        roots = np.sqrt(weights) if weighing else (weights > 0).astype(float)
+        steps = point_steps(*point_equations(state, roots, len(rig.points)))
+        rig = replace(rig, points=rig.points + steps)
+        if np.abs(steps).max(initial=0.0) < STILL_M and weighing == gross_errors:
+            break
     return rig, linearise(rig, observations, by_orientation=False).residuals
 
 

@@ -77,7 +77,11 @@ def side_by_side[T](jobs: Sequence[Callable[[Emit], T]], emit: Emit, workers: in
 
 def each_side_by_side[T, R](work: Callable[[T], R], items: Sequence[T]) -> list[R]:
     """``work`` of every item, for work so short that it tells no progress."""
-    return side_by_side([lambda _, item=item: work(item) for item in items], silent, workers_for(len(items)))
+
+    def job(item: T) -> Callable[[Emit], R]:
+        return lambda _: work(item)
+
+    return side_by_side([job(item) for item in items], silent, workers_for(len(items)))
 
 
 def _failed[T](future: Future[T]) -> bool:

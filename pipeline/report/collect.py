@@ -202,6 +202,10 @@ def _axis(run: CableRun) -> AxisSummary:
 def _mosaic(run: CableRun) -> MosaicSummary:
     names = [b.block.name for b in run.blocks]
     joins = run.mosaic.joins
+    together = run.together
+    readout = (float("nan"), float("nan"))
+    if together is not None and together.readout_sigma_mm > 0:
+        readout = together.readout_mm, together.readout_sigma_mm
     return MosaicSummary(
         joints=tuple(
             MosaicJoint(
@@ -213,8 +217,10 @@ def _mosaic(run: CableRun) -> MosaicSummary:
             for j in joins
         ),
         scale_corrections={n: float(s) for n, s in zip(names, run.mosaic.placement.scales, strict=True)},
-        tie_points=sum(j.pairs for j in joins) if run.together is None else run.together.shared_marks,
-        shared_residual_px=float("nan") if run.together is None else run.together.shared_residual_px,
+        tie_points=sum(j.pairs for j in joins) if together is None else together.shared_marks,
+        shared_residual_px=float("nan") if together is None else together.shared_residual_px,
+        readout_mm=readout[0],
+        readout_sigma_mm=readout[1],
     )
 
 

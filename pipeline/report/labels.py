@@ -309,6 +309,11 @@ TEXTS: dict[str, tuple[str, str]] = {
         "所有相机作为一个整体联合平差，相邻模块共享 {value} 个标志点（残差均方根 {residual} 像素）。"
         "相邻表面重叠处的吻合程度：",
     ),
+    "rolling_shutter": (
+        "The rows of a frame are read one after the other (rolling shutter): meanwhile the robot travels "
+        "{value} ± {sigma} mm. This has been put right.",
+        "影像逐行曝光（卷帘快门）：读出一帧期间机器人行进 {value} ± {sigma} mm，已予改正。",
+    ),
     "mosaic_caption": (
         "Single-point mosaicking of neighbouring blocks; {value} tie points are seen from more than one "
         "block.",

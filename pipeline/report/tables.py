@@ -22,6 +22,8 @@ _STATION_COLUMNS = ("position_m", "diameter_mm", "sigma_mm", "min_mm", "max_mm",
 _BASE_COLUMN = ("base_diameter_mm",)
 _TRUTH_COLUMNS = ("truth_mm", "difference_mm", "relative_percent")
 
+VISIBLE_READOUT_MM = 0.1
+
 
 def _name(text: str) -> str:
     return f'<th scope="row">{escaped(text)}</th>'
@@ -198,6 +200,14 @@ def surface_prior_table(writer: Writer, prior: SurfacePriorSummary) -> str:
     return writer.table(caption, heads, rows, note)
 
 
+def _rolling_shutter(writer: Writer, mosaic: MosaicSummary) -> str:
+    """A sentence where the frames show one that an eye could see, beyond doubt."""
+    if not abs(mosaic.readout_mm) > max(4 * mosaic.readout_sigma_mm, VISIBLE_READOUT_MM):
+        return ""
+    values = {"value": number(mosaic.readout_mm, 2), "sigma": number(mosaic.readout_sigma_mm, 2)}
+    return writer.say("rolling_shutter", "p", 'class="note"', **values)
+
+
 def mosaic_table(writer: Writer, mosaic: MosaicSummary) -> str:
     """The joints between neighbours, and below them each block's scale correction."""
     heads = [writer.say(key, "th", 'scope="col"') for key in ("joint", "pairs", "joint_residual")]
@@ -215,7 +225,7 @@ def mosaic_table(writer: Writer, mosaic: MosaicSummary) -> str:
         value=thousands(mosaic.tie_points),
         residual=number(mosaic.shared_residual_px, 2),
     )
-    joints = writer.table(caption, heads, rows)
+    joints = writer.table(caption, heads, rows) + _rolling_shutter(writer, mosaic)
     if together or not mosaic.scale_corrections:
         return joints
     heads = [writer.say(key, "th", 'scope="col"') for key in ("block", "scale_correction")]

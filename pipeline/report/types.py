@@ -223,12 +223,16 @@ class MosaicSummary:
         tie_points: points seen from more than one block.
         shared_residual_px: where all cameras were adjusted together, the residual of the shared marks; NaN
             where the blocks were adjusted alone and joined afterwards.
+        readout_mm, readout_sigma_mm: way that the robot travels between a frame's first row and its last
+            (rolling shutter), and its standard deviation; NaN where it was not asked for.
     """
 
     joints: tuple[MosaicJoint, ...]
     scale_corrections: Mapping[str, float]
     tie_points: int
     shared_residual_px: float = float("nan")
+    readout_mm: float = float("nan")
+    readout_sigma_mm: float = float("nan")
 
 
 @dataclass(frozen=True, kw_only=True)

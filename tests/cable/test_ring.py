@@ -7,7 +7,8 @@ import pytest
 from scipy.interpolate import RegularGridInterpolator
 from scipy.spatial.transform import Rotation
 
-from pipeline.cable.ring import Alignment, _own_coordinates
+from pipeline.cable.ring import Alignment
+from pipeline.cable.ring_picture import _own_coordinates
 from tests.cable import pieces, scene
 
 TEXTURE = scene.Texture(seed=3)

@@ -4,7 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from pipeline.cable.tracking import Tracker, TrackOptions, normalise
+from pipeline.cable.sheets import normalise
+from pipeline.cable.tracking import Tracker, TrackOptions
 from pipeline.core.axis import AxisCurve
 from pipeline.core.vocabulary import Poses
 from tests.cable import scene
@@ -120,11 +121,11 @@ def test_a_camera_anywhere_around_the_cable_tracks_as_well():
 def test_given_places_are_followed_like_chosen_ones(pictures, barrel_view):
     follow = tracker(lambda k: pictures[k])
     azimuth, y_m = np.radians([-40.0, -10.0, 5.0, 35.0]), HOME * scene.STEP_M + np.array([0, 2, -3, 1]) / 1000
-    places = follow.places(azimuth, y_m)
+    places = follow.sheets.places(azimuth, y_m)
     surface = follow.surface(places)
     np.testing.assert_allclose(np.arctan2(-surface[:, 2], surface[:, 0]), azimuth)
     np.testing.assert_allclose(surface[:, 1], y_m)
-    np.testing.assert_allclose(follow.places(azimuth - 2 * np.pi, y_m), places)
+    np.testing.assert_allclose(follow.sheets.places(azimuth - 2 * np.pi, y_m), places)
     found = follow.follow(HOME, places)
     np.testing.assert_allclose(found.starts, surface)
     assert (found.frame == HOME).sum() == 4

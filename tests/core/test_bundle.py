@@ -75,7 +75,8 @@ def quiet(iteration, iterations):
 
 def test_derivatives_agree_with_central_differences():
     rig, seen = ring(frames=3, points=60)
-    rig = sway(rig, 0.5, 1e-3)
+    rig = replace(sway(rig, 0.5, 1e-3), readout_m=2e-3)
+    seen = replace(seen, moment=seen.pixels[:, 1] / 600 - 0.5)
     state = linearise(rig, seen)
     rng = np.random.default_rng(0)
     step = rng.normal(0, 1e-6, rig.unknowns)
@@ -150,6 +151,32 @@ def test_covariance_predicts_the_scatter_of_repeated_surveys(sigma_px):
         predicted = np.sqrt(np.diag(result.covariance)[6 * 2 + 3 : 6 * 2 + 6])
     ratio = np.std(centres, axis=0) / predicted
     assert np.all((ratio > 0.6) & (ratio < 1.5))
+
+
+@pytest.mark.parametrize("readout_m", [4e-3, -1e-3, 0.0])
+def test_points_that_neighbours_share_tell_how_a_rolling_shutter_reads(readout_m):
+    """Rows of one frame show different moments: up to 4 mm of travel between the first and the last."""
+    nominal, seen = ring(points=1500)
+    centres = sway(nominal, 0.0, 5e-4).body_centres
+    centres[[0, -1]] = nominal.body_centres[[0, -1]]
+    truth = replace(nominal, body_centres=centres, readout_m=readout_m)
+    moment = observe(truth, seen).pixels[:, 1] / 600 - 0.5
+    measured = observe(truth, replace(seen, moment=moment), sigma_px=0.1)
+    priors = replace(priors_for(nominal), readout_sigma_m=5e-3)
+    result = adjust_bundle(nominal, measured, priors, BundleOptions(sigma_px=0.1), quiet)
+    sigma_m = np.sqrt(result.covariance[-1, -1])
+    assert 1e-6 < sigma_m < 1e-4
+    assert abs(result.rig.readout_m - readout_m) < 3.5 * sigma_m
+    assert np.abs(result.rig.points - truth.points).mean() < 2e-4
+
+
+def test_a_single_camera_cannot_tell_a_rolling_shutter_from_a_sheared_surface():
+    nominal, seen = ring(cameras=1)
+    moment = seen.pixels[:, 1] / 600 - 0.5
+    measured = observe(replace(nominal, readout_m=4e-3), replace(seen, moment=moment), sigma_px=0.1)
+    priors = replace(priors_for(nominal, turn_deg=0.3), readout_sigma_m=5e-3)
+    result = adjust_bundle(nominal, measured, priors, BundleOptions(sigma_px=0.1), quiet)
+    assert np.sqrt(result.covariance[-1, -1]) > 0.5 * 5e-3
 
 
 def test_held_values_do_not_move():

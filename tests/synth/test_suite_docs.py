@@ -45,6 +45,14 @@ def test_the_page_says_what_is_met_and_what_is_missed(tmp_path):
     assert "- fillet: height 0.300 mm (0.1), 0 missed, 1 false" in page
 
 
+def test_the_page_tells_what_sigma_is_worth_over_all_stations(tmp_path):
+    """Of two stations, one 1.5 sigma off, the other 2.5."""
+    stations = tuple(replace(PAPER.stations[0], difference_mm=d, sigma_mm=0.02) for d in (0.03, -0.05))
+    page = write_docs(Results(cases=(replace(PAPER, stations=stations),)), tmp_path).read_text()
+    assert "Of all 2 stations 0 % lie within one sigma and 50 % within two" in page
+    assert "error over sigma is 2.06" in page
+
+
 def test_its_pictures_are_there_and_the_same_every_time(tmp_path):
     results = Results(cases=(PAPER, RIBBED))
     for folder in ("a", "b"):

@@ -40,14 +40,24 @@ def views(sway_deg=0.3, sway_mm=0.7, wander_mm=0.8, seed=2, frames=scene.FRAMES,
     return tuple(found)
 
 
-def blocks(of, noise_px=0.0, seed=6, count=500, lens=None):
+def observe(view, points, readout_m=0.0):
+    """As ``scene.observe``, by a camera that reads its rows from top to bottom while the robot travels on."""
+    frame, point, pixels = scene.observe(view, points)
+    for _ in range(3):
+        late_m = readout_m * (pixels[:, 1] / scene.HEIGHT_PX - 0.5)
+        seen = points[point] - late_m[:, None] * [0.0, 1.0, 0.0]
+        pixels = np.concatenate([view.project(k, seen[frame == k]) for k in np.unique(frame)])
+    return frame, point, pixels
+
+
+def blocks(of, noise_px=0.0, seed=6, count=500, lens=None, readout_m=0.0):
     """The blocks as they might come from being adjusted alone: standing by the POS, all measurements kept."""
     rng = np.random.default_rng(seed)
     made = []
     for number, (view, azimuth) in enumerate(zip(of, AZIMUTHS_DEG, strict=True)):
         turn = np.radians(azimuth + rng.uniform(-55, 55, count))
         points = view.points(turn, np.sort(rng.uniform(-0.05, scene.TRAVEL_M + 0.05, count)))
-        frame, point, pixels = scene.observe(view, points)
+        frame, point, pixels = observe(view, points, readout_m)
         nominal = scene.poses(azimuth, frames=len(view.poses))
         alone = replace(
             scene.true_orientation(view),
@@ -70,7 +80,7 @@ def blocks(of, noise_px=0.0, seed=6, count=500, lens=None):
     return tuple(made)
 
 
-def marks(of, noise_px=0.0, seed=9, count=60):
+def marks(of, noise_px=0.0, seed=9, count=60, readout_m=0.0):
     """Marks on the lines between neighbours, seen by both."""
     rng = np.random.default_rng(seed)
     parts = {name: [] for name in ("block", "frame", "mark", "pixels", "points", "pairs")}
@@ -79,7 +89,7 @@ def marks(of, noise_px=0.0, seed=9, count=60):
         turn = np.radians(AZIMUTHS_DEG[first] + 45 + rng.uniform(-7, 7, count))
         points = of[first].points(turn, np.sort(rng.uniform(0, scene.TRAVEL_M, count)))
         for block in (first, second):
-            frame, point, pixels = scene.observe(of[block], points)
+            frame, point, pixels = observe(of[block], points, readout_m)
             parts["block"].append(np.full(len(frame), block))
             parts["frame"].append(frame)
             parts["mark"].append(point + first * count)

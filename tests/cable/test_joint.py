@@ -97,6 +97,23 @@ def test_marks_that_neighbours_share_make_the_diameter_surer(views):
     assert 0.05 < tied.shared_residual_px < 0.3
 
 
+@pytest.mark.parametrize("readout_m", [0.004, -0.0025])
+def test_a_rolling_shutter_is_found_and_the_diameter_is_right(views, readout_m):
+    """The marks of all seams are off by the same; held to a global shutter the ring does not close."""
+    measured = {
+        "blocks": ring_scene.blocks(views, 0.1, readout_m=readout_m),
+        "marks": ring_scene.marks(views, 0.1, readout_m=readout_m),
+    }
+    found = adjust(views, **measured)
+    assert 0 < found.readout_sigma_mm < 0.1
+    assert abs(found.readout_mm - 1000 * readout_m) < 3 * found.readout_sigma_mm
+    assert all(block.readout_m == found.readout_mm / 1000 for block in found.blocks)
+    assert np.abs(diameters_mm(found) - 2000 * scene.RADIUS_M).max() < 0.1
+    held = adjust(views, **measured, options=JointOptions(readout_sigma_mm=0))
+    assert held.readout_mm == held.readout_sigma_mm == 0.0
+    assert held.shared_residual_px > 3 * found.shared_residual_px
+
+
 def test_sigma_predicts_the_scatter_of_repeated_surveys(views):
     """The same way again with other noise: what scatters is what sigma says, within a factor of two."""
     options = JointOptions(sigma_px=0.1, shared_sigma_px=0.1)

@@ -122,7 +122,7 @@ def test_given_places_are_followed_like_chosen_ones(pictures, barrel_view):
     follow = tracker(lambda k: pictures[k])
     azimuth, y_m = np.radians([-40.0, -10.0, 5.0, 35.0]), HOME * scene.STEP_M + np.array([0, 2, -3, 1]) / 1000
     places = follow.sheets.places(azimuth, y_m)
-    surface = follow.surface(places)
+    surface = follow.sheets.surface(places)
     np.testing.assert_allclose(np.arctan2(-surface[:, 2], surface[:, 0]), azimuth)
     np.testing.assert_allclose(surface[:, 1], y_m)
     np.testing.assert_allclose(follow.sheets.places(azimuth - 2 * np.pi, y_m), places)

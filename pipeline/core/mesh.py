@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from pipeline.core.vocabulary import Array
 
+FACES_PER_RUN = 200_000
+
 
 @dataclass(frozen=True, kw_only=True)
 class Mesh:
@@ -39,14 +41,15 @@ def mesh_of_grid(points: Array, stands: NDArray[np.bool_], outward: Array, close
         closed: the last column joins the first (a full ring).
     """
     rows, columns = stands.shape
-    index = np.arange(rows * columns).reshape(rows, columns)
+    index = np.arange(rows * columns, dtype=np.int32).reshape(rows, columns)
+    corner_stands = stands
     if closed:
-        index = np.concatenate([index, index[:, :1]], axis=1)
-    a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]
-    faces = np.concatenate(
-        [np.stack([a, c, b], axis=-1).reshape(-1, 3), np.stack([a, d, c], axis=-1).reshape(-1, 3)]
+        index, corner_stands = (np.concatenate([g, g[:, :1]], axis=1) for g in (index, stands))
+    a, b, c, d = (
+        (index[part], corner_stands[part])
+        for part in (np.s_[:-1, :-1], np.s_[:-1, 1:], np.s_[1:, 1:], np.s_[1:, :-1])
     )
-    faces = faces[stands.ravel()[faces].all(axis=1)]
+    faces = np.concatenate([_triangles(a, c, b), _triangles(a, d, c)])
     flat, out = points.reshape(-1, 3), outward.reshape(-1, 3)
     first = faces[:1]
     if len(first):
@@ -61,13 +64,22 @@ def mesh_of_grid(points: Array, stands: NDArray[np.bool_], outward: Array, close
     return Mesh(vertices=vertices, normals=_normals(vertices, faces), faces=faces, cells=cells)
 
 
+def _triangles(*corners: tuple[NDArray[np.int32], NDArray[np.bool_]]) -> NDArray[np.int32]:
+    """The triangles (f, 3) whose three corners, given with whether they stand, all do."""
+    whole = np.logical_and.reduce([stands for _, stands in corners])
+    return np.stack([index[whole] for index, _ in corners], axis=1)
+
+
 def _normals(vertices: Array, faces: NDArray[np.int32]) -> Array:
-    """Area-weighted vertex normals."""
-    sides = vertices[faces]
-    face_normals = np.cross(sides[:, 1] - sides[:, 0], sides[:, 2] - sides[:, 0])
+    """Area-weighted vertex normals, summed over runs of faces, which are neighbours: memory stays small."""
     normals = np.zeros_like(vertices)
-    for axis in range(3):
-        weights = np.repeat(face_normals[:, axis], 3)
-        normals[:, axis] = np.bincount(faces.ravel(), weights=weights, minlength=len(vertices))
+    for start in range(0, len(faces), FACES_PER_RUN):
+        run = faces[start : start + FACES_PER_RUN]
+        first, last = int(run.min()), int(run.max()) + 1
+        corner = vertices[run[:, 0]]
+        face_normals = np.cross(vertices[run[:, 1]] - corner, vertices[run[:, 2]] - corner)
+        for axis in range(3):
+            weights = np.repeat(face_normals[:, axis], 3)
+            normals[first:last, axis] += np.bincount((run - first).ravel(), weights, last - first)
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     return normals / np.where(length > 0, length, 1)

@@ -178,7 +178,8 @@ def _unroll(block: ClosingBlock, options: ClosingOptions, emit: Emit) -> _Unroll
         measured=np.ones(shape, dtype=bool),
         score=np.ones(shape, dtype=np.float32),
     )
-    choice = TextureOptions(texel_mm=options.cell_mm)
+    # matching takes out local brightness itself
+    choice = TextureOptions(texel_mm=options.cell_mm, even_exposure=False)
     picture = texture_block(
         block.frames, orientation, surface, options.cell_mm, choice, _telling(block, part(emit, 0.0, 0.5))
     )

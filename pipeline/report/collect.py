@@ -16,7 +16,7 @@ from pipeline.core.fits.cylinder import Cylinder, fit_cylinder
 from pipeline.core.parallel import each_side_by_side
 from pipeline.core.pictures import read_colour
 from pipeline.core.vocabulary import Array
-from pipeline.report.model import ring_mesh
+from pipeline.report.model import view_mesh
 from pipeline.report.notes import notes_of
 from pipeline.report.relief_records import ReliefFeature, ReliefSummary
 from pipeline.report.types import (
@@ -65,7 +65,7 @@ def collect(
         mosaic=_mosaic(run),
         relief=_relief(measurement.relief),
         surface_prior=_surface_prior(run),
-        mesh=ring_mesh(ring),
+        mesh=view_mesh(ring),
         timing_s=timing_s,
         peak_memory_mb=peak_memory_mb,
         warnings=notes_of(run),

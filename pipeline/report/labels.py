@@ -7,6 +7,7 @@ same ones in both languages.  The Chinese terms are those of the paper.
 from dataclasses import dataclass
 from typing import Literal, get_args
 
+from pipeline.report.scan_labels import SCAN_TEXTS
 from pipeline.report.steel_labels import STEEL_TEXTS
 
 Language = Literal["en", "zh"]
@@ -360,4 +361,5 @@ TEXTS: dict[str, tuple[str, str]] = {
         "单位米；y 轴为缆索轴线，指向行进方向，首帧处 y = 0；方位角 a 的方向为 (cos a, 0, −sin a)。",
     ),
     **STEEL_TEXTS,
+    **SCAN_TEXTS,
 }

@@ -13,12 +13,27 @@ from pipeline.core.vocabulary import Array
 from pipeline.report.types import Cloud, Mesh
 
 MESH_MM = 1.0
+VIEW_VERTICES = 60_000
+"""So many a browser turns smoothly; with fewer than 65 536 an index takes 16 bits."""
 
 
 def ring_mesh(ring: Ring, edge_mm: float = MESH_MM) -> Mesh:
     """The closed surface, thinned to triangles of about ``edge_mm``; holes stay open."""
     cell_mm = 1000 * float(ring.y_m[1] - ring.y_m[0])
-    step = max(round(edge_mm / cell_mm), 1)
+    return _mesh(ring, max(round(edge_mm / cell_mm), 1))
+
+
+def view_mesh(ring: Ring, most_vertices: int = VIEW_VERTICES) -> Mesh:
+    """The closed surface, thinned to at most so many vertices, for the 3D view of a page."""
+    rows, columns = ring.radius_m.shape
+    step = max(int(np.sqrt(rows * columns / most_vertices)), 1)
+    while -(-rows // step) * (-(-columns // step) + 1) > most_vertices:
+        step += 1
+    return _mesh(ring, step)
+
+
+def _mesh(ring: Ring, step: int) -> Mesh:
+    """Every ``step``-th cell of every ``step``-th row as a vertex."""
     known = np.isfinite(ring.radius_m)
     radius = _smooth_radius(ring, step)[::step, ::step]
     azimuth, y_m = ring.azimuth[::step], ring.y_m[::step]

@@ -312,8 +312,7 @@ class ReportData:
         truth: true diameters for Table 2, empty where nobody knows them.
         lens_pictures, lens_effects: figures 2, 3 and 5, 6, for as many blocks as wanted.
         unrolled: the whole surface; block_unrolled: what each block contributed.
-        profile, axis, mosaic, surface_prior, relief, mesh: see their types; mesh is for the 3D view and is
-            reduced for it.
+        profile, axis, mosaic, surface_prior, relief, mesh: see their types; mesh is that of the 3D view.
         timing_s: stage to seconds, in the order of the stages.
         peak_memory_mb: largest resident memory of the run.
         warnings: sentences for the person who reads the report.

@@ -32,7 +32,7 @@ from pipeline.report.exports import (
     write_unrolled_png,
 )
 from pipeline.report.labels import Language
-from pipeline.report.model import ring_cloud
+from pipeline.report.model import ring_cloud, ring_mesh
 from pipeline.report.types import ReportData, TruthStation
 
 
@@ -57,7 +57,7 @@ def write_run(
     pieces: tuple[Callable[[], object], ...] = (
         partial(_write_page, out, data, language),
         *(partial(write_block_files, found, n, out / "blocks") for n in range(len(found.blocks))),
-        partial(_write_model, out, data, found.ring),
+        partial(_write_model, out, found.ring),
         partial(_write_pictures, out, data, found.ring),
         partial(write_diameters_csv, out / "diameters.csv", data.stations, data.truth),
     )
@@ -85,10 +85,10 @@ def _write_page(out: Path, data: ReportData, language: Language) -> None:
     write_report_html(out / "report.html", data, PageOptions(language=language))
 
 
-def _write_model(out: Path, data: ReportData, ring: Ring) -> None:
-    if data.mesh is not None:
-        write_model_ply(out / "model.ply", data.mesh)
-        write_model_glb(out / "model.glb", data.mesh)
+def _write_model(out: Path, ring: Ring) -> None:
+    mesh = ring_mesh(ring)
+    write_model_ply(out / "model.ply", mesh)
+    write_model_glb(out / "model.glb", mesh)
     write_cloud_ply(out / "cloud.ply", ring_cloud(ring))
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.cable.ring import Alignment, Ring
-from pipeline.report.model import ring_cloud, ring_mesh
+from pipeline.report.model import ring_cloud, ring_mesh, view_mesh
 from tests.cable import scene
 
 TRAVEL_M, CELL_M, TEXEL_M = 0.1, 0.0005, 0.0004
@@ -76,6 +76,20 @@ def test_area_and_edges_are_as_wanted(ring, edge_mm):
     length = np.ptp(mesh.vertices[:, 1])
     assert area == pytest.approx(2 * np.pi * scene.RADIUS_M * length * np.sqrt(1 + 0.05**2), rel=0.002)
     assert 1000 * np.median(np.linalg.norm(b - a, axis=1)) == pytest.approx(edge_mm, rel=0.5)
+
+
+@pytest.mark.parametrize("most", [500, 3000, 60_000])
+def test_the_view_keeps_its_limit_and_the_surface(ring, most):
+    mesh = view_mesh(ring, most)
+    assert 0.5 * most < len(mesh.vertices) <= most
+    # a chord's sagitta at the coarsest, and what averaging over cells takes of the rims' slope
+    assert np.abs(away_mm(mesh.vertices)).max() < 0.4
+    rise = np.ptp(mesh.vertices[:, 1]) / TRAVEL_M
+    assert 0.85 < rise < 1
+    u = mesh.uv[:, 0]
+    left, right = (mesh.vertices[np.isclose(u, end)] for end in (u.min(), u.max()))
+    assert len(left) > 5
+    np.testing.assert_allclose(left, right, atol=1e-9)
 
 
 def test_all_faces_and_normals_look_outward(ring):

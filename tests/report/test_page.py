@@ -13,7 +13,7 @@ from pipeline.report.viewer import ViewerOptions
 from tests.report import sample
 
 VOID = {"meta", "link", "img", "input", "br", "hr"}
-SMALL = PageOptions(viewer=ViewerOptions(max_vertices=2000, max_texture_px=64))
+SMALL = PageOptions(viewer=ViewerOptions(max_texture_px=64))
 ALL_SECTIONS = [
     "diameters", "model", "unrolled", "relief", "sections", "triangulation", "lens", "lens_effect", "mosaic",
     "resources", "files",

@@ -68,8 +68,8 @@ class RingOrientation:
     strips: RingSigmas
     shared_marks: int
     shared_residual_px: float
-    readout_mm: float
-    readout_sigma_mm: float
+    readout_mm: float = 0.0
+    readout_sigma_mm: float = 0.0
     iterations: int
     surface_effect: SurfaceEffect | None
 

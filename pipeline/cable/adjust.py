@@ -15,7 +15,7 @@ from pipeline.cable.match import TiePoints
 from pipeline.core.bundle import BundleOptions, BundleResult, RigPriors, adjust_bundle, intersect_points
 from pipeline.core.division import unknowns, with_unknowns
 from pipeline.core.events import Emit, Event, part
-from pipeline.core.rig import Observations, Rig
+from pipeline.core.rig import Observations, Rig, moments
 from pipeline.core.rotations import cross_matrix, poses_from_centres
 from pipeline.core.vocabulary import Array, Lens, Poses, PosPriors
 
@@ -73,8 +73,6 @@ class Orientation:
         datum_information: (7, 7) weight with which the POS holds the block against a similarity about the
             datum origin: rotation vector (rad), shift (m), scale.
         lens_effect: None where the lens has no distortion to correct.
-        readout_m: way that the camera travels along the cable while a frame's rows are read (rolling
-            shutter); poses are those of the middle row, points as a frame of one moment would have them.
     """
 
     lens: Lens
@@ -90,7 +88,6 @@ class Orientation:
     datum_origin: Array
     datum_information: Array
     lens_effect: LensEffect | None
-    readout_m: float = 0.0
 
 
 def adjust_block(
@@ -162,6 +159,8 @@ def intersect_block(
         The accepted measurements, the points (m, 3), and the residuals (n, 2) of the accepted.
     """
     rig = _single_camera(poses, lens, starts)
+    if poses.readout_m:
+        measured = replace(measured, moment=moments(measured.pixels[:, 1], lens.height_px))
     for _ in range(2):
         placed, residuals = intersect_points(rig, measured)
         good = np.linalg.norm(residuals, axis=1) < gross_px
@@ -225,6 +224,7 @@ def _single_camera(poses: Poses, lens: Lens, points: Array) -> Rig:
         mount_centres=np.zeros((1, 3)),
         lenses=unknowns(lens)[None],
         points=points,
+        readout_m=poses.readout_m,
     )
 
 

@@ -194,9 +194,8 @@ class BlockStages:
         return self._folder.product(
             "surface",
             BlockSurface,
-            lambda: build_surface(self._value("dense", n), self._options.surface, self._oriented(n).value),
+            lambda: build_surface(self._value("dense", n), self._options.surface),
             *self._needs(n, "dense"),
-            self._oriented(n),
             self._options.surface,
             block=block.name,
         )

@@ -69,9 +69,9 @@ class Facing:
         points = self._sparse[first]
         inside = placement.undo(second, placement.apply(first, points))
         surface = self._surfaces[second]
-        azimuth, y_m = surface.unroll(inside)
+        azimuth, y_m, _ = surface.axis.unroll(inside)
         radius = lookup(surface, self._kept_radius[second], azimuth, y_m)
-        feet = surface.roll(azimuth, y_m, radius)
+        feet = surface.axis.roll(azimuth, y_m, radius)
         met = np.isfinite(feet).all(axis=1)
         points, feet = points[met], feet[met]
         whitening = np.zeros((len(points), 3, 3))
@@ -120,7 +120,7 @@ def surface_at(surface: BlockSurface, keep: NDArray[np.bool_], places: Array) ->
     if not len(places):
         return np.zeros((0, 3))
     radius = lookup(surface, np.where(keep, surface.radius_m, np.nan), places[:, 0], places[:, 1])
-    return surface.roll(places[:, 0], places[:, 1], radius)
+    return surface.axis.roll(places[:, 0], places[:, 1], radius)
 
 
 def lookup(surface: BlockSurface, values: NDArray[np.floating], azimuth: Array, y_m: Array) -> Array:

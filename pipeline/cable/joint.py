@@ -210,6 +210,5 @@ def _block(number: int, block: JointBlock, result: BundleResult, gross_px: float
         residuals=residuals,
         keypoints=keypoints,
         reprojection_px=rms(residuals),
-        readout_m=result.rig.readout_m,
         datum_origin=np.array([0.0, poses.centres[:, 1].mean(), 0.0]),
     )

@@ -13,7 +13,7 @@ from pipeline.cable.closing import SharedMarks
 from pipeline.cable.pos import RobotPriors
 from pipeline.core.bundle import RigPriors
 from pipeline.core.division import bend_per_lambda, unknowns
-from pipeline.core.rig import Observations, Rig
+from pipeline.core.rig import Observations, Rig, moments
 from pipeline.core.rotations import (
     nominal_cam_from_world,
     poses_from_centres,
@@ -148,17 +148,13 @@ def gather(
         pixels=np.concatenate([*pixels, shared.pixels]),
         looseness=looseness,
     )
-    return replace(measured, moment=_moments(measured, blocks)), place[order]
-
-
-def _moments(measured: Observations, blocks: tuple[JointBlock, ...]) -> Array:
-    """When each measurement's row was read: the rows of a frame follow each other from top to bottom."""
-    heights = np.array([b.orientation.lens.height_px for b in blocks])
-    return measured.pixels[:, 1] / heights[measured.camera] - 0.5
+    heights_px = np.array([b.orientation.lens.height_px for b in blocks])
+    moment = moments(measured.pixels[:, 1], heights_px[measured.camera])
+    return replace(measured, moment=moment), place[order]
 
 
 def camera_poses(rig: Rig, camera: int) -> Poses:
     """One camera's poses, cam_from_world."""
     rotations = rig.mount_rotations[camera] @ rig.body_rotations
     arms = np.einsum("nji,j->ni", rig.body_rotations, rig.mount_centres[camera])
-    return poses_from_centres(rotations, rig.body_centres + arms)
+    return replace(poses_from_centres(rotations, rig.body_centres + arms), readout_m=rig.readout_m)

@@ -1,9 +1,7 @@
 """Stage *surface*: one block's radius map without gross errors, its small holes closed or kept by choice.
 
 Takes the dense radius map; gives the surface that is textured, cropped and joined, and the TIN of it (paper,
-section 2.4).  A rolling shutter shows the upper rows of a frame before the lower ones, while the robot moves
-on; the sweep, which takes a frame for one moment, then finds the surface sheared along the cable, and here
-it is put right.  Leaves out colour.
+section 2.4).  Leaves out colour.
 """
 
 from dataclasses import dataclass, field, replace
@@ -13,9 +11,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cable.adjust import Orientation
 from pipeline.cable.dense import RadiusMap
-from pipeline.cable.surface_view import Image, SurfaceView, SweepGrid
+from pipeline.cable.surface_view import Image
 from pipeline.core.axis import AxisCurve
 from pipeline.core.mesh import Mesh, mesh_of_grid
 from pipeline.core.vocabulary import Array
@@ -49,7 +46,6 @@ class BlockSurface:
         radius_m: (n, m), NaN in the holes that stay.
         measured: (n, m) bool, false where a hole was closed.
         score: (n, m) agreement of the frames.
-        late_m: (m,) how much further along the cable each column lies than ``y_m`` says; None: not at all.
     """
 
     axis: AxisCurve
@@ -58,7 +54,6 @@ class BlockSurface:
     radius_m: Image
     measured: NDArray[np.bool_]
     score: Image
-    late_m: Array | None = None
 
     @cached_property
     def median_radius_m(self) -> float:
@@ -73,38 +68,15 @@ class BlockSurface:
 
     def points(self, rows: slice = slice(None), columns: slice = slice(None)) -> Array:
         """Surface points of the chosen cells in the cable frame, (n, m, 3) metres."""
-        points = self.axis.roll_grid(self.azimuth[columns], self.y_m[rows], self.radius_m[rows, columns])
-        if self.late_m is not None:
-            points[..., 1] += self.late_m[columns]
-        return points
-
-    def roll(self, azimuth: Array, y_m: Array, radius_m: Array) -> Array:
-        """Points (k, 3) of the cable frame at the block's own azimuths, places along the cable and radii."""
-        points = self.axis.roll(azimuth, y_m, radius_m)
-        points[:, 1] += self._late(azimuth)
-        return points
-
-    def unroll(self, points: Array) -> tuple[Array, Array]:
-        """The block's own azimuths and places along the cable (k,) of points (k, 3)."""
-        azimuth, y_m, _ = self.axis.unroll(points)
-        return azimuth, y_m - self._late(azimuth)
-
-    def _late(self, azimuth: Array) -> Array | float:
-        if self.late_m is None:
-            return 0.0
-        middle = self.azimuth.mean()
-        turned = middle + np.angle(np.exp(1j * (azimuth - middle)))
-        return np.interp(turned, self.azimuth, self.late_m)
+        return self.axis.roll_grid(self.azimuth[columns], self.y_m[rows], self.radius_m[rows, columns])
 
     def outward(self) -> Array:
         """Unit vectors away from the axis, (1, m, 3)."""
         return np.stack([np.cos(self.azimuth), 0 * self.azimuth, -np.sin(self.azimuth)], axis=1)[None]
 
 
-def build_surface(
-    dense: RadiusMap, options: SurfaceOptions, orientation: Orientation | None = None
-) -> BlockSurface:
-    """Drop outliers, close small holes, and undo what the orientation's rolling shutter sheared."""
+def build_surface(dense: RadiusMap, options: SurfaceOptions) -> BlockSurface:
+    """Drop outliers and close small holes."""
     radius = np.asarray(dense.radius_m, dtype=np.float32)
     cell_mm = 1000 * float(dense.y_m[1] - dense.y_m[0])
     radius = _without_outliers(radius, cell_mm, options)
@@ -116,19 +88,7 @@ def build_surface(
         radius_m=_close_holes(radius, cell_mm, options),
         measured=measured,
         score=dense.score,
-        late_m=_late_m(dense, orientation) if orientation is not None and orientation.readout_m else None,
     )
-
-
-def _late_m(dense: RadiusMap, orientation: Orientation) -> Array:
-    """Where the robot is, against the middle of a frame, when the row is read that sees each column, (m,)."""
-    along = orientation.poses.centres[:, 1]
-    frame = int(np.argmin(np.abs(along - np.median(along))))
-    grid = SweepGrid(axis=dense.axis, azimuth=dense.azimuth, y_m=along[frame : frame + 1])
-    radius = np.full((1, len(dense.azimuth)), np.nanmedian(dense.radius_m), dtype=np.float32)
-    _, row = SurfaceView(orientation.lens, orientation.poses, frame, grid).pixels(radius)
-    moment = np.clip((row[0] + 0.5) / orientation.lens.height_px, 0, 1) - 0.5
-    return orientation.readout_m * np.asarray(moment, dtype=float)
 
 
 def mesh_surface(surface: BlockSurface, stands: NDArray[np.bool_], options: SurfaceOptions) -> Mesh:

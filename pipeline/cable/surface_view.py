@@ -1,6 +1,7 @@
 """Cells of the unrolled surface, and where a frame sees them.
 
-Takes an axis, azimuths and places along it, a lens and orientations; gives pixels and the values there.
+Takes an axis, azimuths and places along it, a lens and orientations; gives pixels and the values there.  A
+rolling shutter sees each row from where the robot is when it is read.
 """
 
 from dataclasses import dataclass
@@ -14,6 +15,8 @@ from pipeline.core.division import coefficient
 from pipeline.core.vocabulary import Array, Lens, Poses
 
 Image = NDArray[np.floating]
+READOUT_ROUNDS = 2
+"""The row that sees a cell hangs on the moment, and the moment on the row, but weakly."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,6 +48,7 @@ class SurfaceView:
         self._base = (grid.axis.at(grid.y_m) @ rotation.T + translation).T.astype(np.float32)[:, :, None]
         self._outward = (outward_of(grid) @ rotation.T).T.astype(np.float32)[:, None, :]
         self._rotation = rotation
+        self._drift = (rotation[:, 1] * poses.readout_m).astype(np.float32)
         self._lens, self._k = lens, np.float32(coefficient(lens))
 
     def turned(self, vectors: Array) -> Array:
@@ -58,11 +62,21 @@ class SurfaceView:
             radius_m: (n, m) of every cell.
             beside: (3, n, m) to be added to the cells, metres, in the camera frame.
         """
-        u, v, z = (base + radius_m * out for base, out in zip(self._base, self._outward, strict=True))
+        place = [base + radius_m * out for base, out in zip(self._base, self._outward, strict=True)]
         if beside is not None:
-            u += beside[0]
-            v += beside[1]
-            z += beside[2]
+            for part, more in zip(place, beside, strict=True):
+                part += more
+        if not self._drift.any():
+            return self._imaged(*place)
+        row = self._imaged(*(part.copy() for part in place))[1]
+        for _ in range(READOUT_ROUNDS):
+            moment = (row + np.float32(0.5)) / np.float32(self._lens.height_px) - np.float32(0.5)
+            moved = (part - way * moment for part, way in zip(place, self._drift, strict=True))
+            column, row = self._imaged(*moved)
+        return column, row
+
+    def _imaged(self, u: Image, v: Image, z: Image) -> tuple[Image, Image]:
+        """Pixels of points in the camera frame, metres; in place."""
         np.divide(np.float32(1), z, out=z)
         u *= z
         v *= z

@@ -1,9 +1,9 @@
 """The geometry that is adjusted: a rig of cameras carried along the cable, and the points it sees.
 
 One frame is one moment: the robot's *body* has a pose in the cable frame, and every camera hangs on the body
-by its *mounting*.  A single camera is the rig whose mounting is the identity.  A rolling shutter reads the rows
-one after the other while the robot travels on: a measurement's *moment* says how far the body is then from
-where it was in the middle of the frame.  This module projects and differentiates;
+by its *mounting*.  A single camera is the rig whose mounting is the identity.  A rolling shutter reads the
+rows one after the other while the robot travels on: a measurement's *moment* says how far the body is then
+from where it was in the middle of the frame.  This module projects and differentiates;
 :mod:`pipeline.core.bundle` solves.
 
 Perturbations used everywhere (and in covariances): rotations are perturbed on the left, R <- exp([w]x) R with
@@ -137,6 +137,11 @@ class Linearisation:
     point: NDArray[np.int64]
     image: NDArray[np.int64]
     columns: NDArray[np.int64]
+
+
+def moments(rows_px: Array, heights_px: Array | float) -> Array:
+    """When rows (n,) of frames so high were read, one after the other: from -0.5, the first, to 0.5."""
+    return rows_px / heights_px - 0.5
 
 
 def points_in_camera(rig: Rig, observations: Observations) -> tuple[Array, Array]:

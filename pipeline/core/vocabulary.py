@@ -67,10 +67,13 @@ class Poses:
     Attributes:
         rotations: (n, 3, 3).
         translations: (n, 3), metres; x_cam = R x_world + t.
+        readout_m: way along +y that the camera travels between the first row of a frame and the last (rolling
+            shutter); the orientations are those of the middle row.
     """
 
     rotations: Array
     translations: Array
+    readout_m: float = 0.0
 
     def __len__(self) -> int:
         return len(self.rotations)

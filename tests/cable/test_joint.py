@@ -107,7 +107,8 @@ def test_a_rolling_shutter_is_found_and_the_diameter_is_right(views, readout_m):
     found = adjust(views, **measured)
     assert 0 < found.readout_sigma_mm < 0.1
     assert abs(found.readout_mm - 1000 * readout_m) < 3 * found.readout_sigma_mm
-    assert all(block.readout_m == found.readout_mm / 1000 for block in found.blocks)
+    assert all(block.poses.readout_m == found.readout_mm / 1000 for block in found.blocks)
+    assert all(0.05 < block.reprojection_px < 0.2 for block in found.blocks)
     assert np.abs(diameters_mm(found) - 2000 * scene.RADIUS_M).max() < 0.1
     held = adjust(views, **measured, options=JointOptions(readout_sigma_mm=0))
     assert held.readout_mm == held.readout_sigma_mm == 0.0

@@ -8,7 +8,6 @@ import pytest
 from pipeline.cable.dense import RadiusMap
 from pipeline.cable.surface import SurfaceOptions, build_surface, mesh_surface, smoothed
 from pipeline.core.axis import AxisCurve
-from tests.cable import scene
 
 CELL_MM, RADIUS_MM = 0.5, 55.0
 
@@ -51,28 +50,6 @@ def test_a_clean_surface_stays_as_it_is():
     surface = build_surface(dense, SurfaceOptions())
     np.testing.assert_array_equal(surface.radius_m, dense.radius_m)
     assert surface.measured.all()
-
-
-@pytest.mark.parametrize("readout_mm", [4.0, -1.5])
-def test_a_surface_sheared_by_a_rolling_shutter_is_put_right(readout_mm):
-    """Where the row of the frame is read late, the camera has moved on, and the surface with what it saw."""
-    view = scene.Scene(poses=scene.poses(0.0), lens=scene.lens(scene.BARREL))
-    orientation = replace(scene.true_orientation(view), readout_m=readout_mm / 1000)
-    dense = replace(dense_map(), axis=AxisCurve(origin_y_m=0.05, coefficients=np.zeros((2, 2))))
-    as_seen = build_surface(dense, SurfaceOptions())
-    surface = build_surface(dense, SurfaceOptions(), orientation)
-    columns = np.arange(0, len(dense.azimuth), 10)
-    middle = len(view.poses) // 2
-    on_axis = np.full(len(columns), view.poses.centres[middle, 1])
-    rows = view.project(middle, view.points(dense.azimuth[columns], on_axis))[:, 1]
-    expected_mm = readout_mm * (rows / scene.HEIGHT_PX - 0.5)
-    moved_mm = 1000 * (surface.points() - as_seen.points())[:, columns]
-    np.testing.assert_allclose(moved_mm[..., 1], np.tile(expected_mm, (len(moved_mm), 1)), atol=0.01)
-    assert np.ptp(expected_mm) > 0.3 * abs(readout_mm)
-    np.testing.assert_array_equal(moved_mm[..., [0, 2]], 0)
-    places = surface.azimuth[columns], np.full(len(columns), 0.05)
-    azimuth, y_m = surface.unroll(surface.roll(*places, np.full(len(columns), 0.055)))
-    np.testing.assert_allclose([azimuth, y_m], places, atol=1e-12)
 
 
 @pytest.mark.parametrize("off_mm", [0.9, -0.9, 5.0])

@@ -86,7 +86,12 @@ def _draw() -> None:
 def _labels(context: bpy.types.Context, scale: float) -> None:
     """The figures of the stations that are shown."""
     pad, found = PAD_PX * scale, list(_anchors(context))
-    boxes = [(x, y, blf.dimensions(0, text)[0] + 2 * pad, LINE_PX * scale) for (x, y), text, _ in found]
+    free = context.region.width - _covered(context.area, "UI")
+    sizes = [(blf.dimensions(0, text)[0] + 2 * pad, LINE_PX * scale) for _, text, _ in found]
+    boxes = [
+        (beside_sidebar(x, size[0], free), y, *size)
+        for ((x, y), _, _), size in zip(found, sizes, strict=True)
+    ]
     for box, (_, text, colour) in zip(apart(boxes), found, strict=True):
         _plate(box)
         _write(text, box[0] + pad, box[1] + pad, colour)
@@ -107,7 +112,7 @@ def _anchors(
 
 def _legend(context: bpy.types.Context, scale: float) -> None:
     scene, pad = context.scene, PAD_PX * scale
-    left, low = MARGIN_PX[0] * scale + _covered(context.area), MARGIN_PX[1] * scale
+    left, low = MARGIN_PX[0] * scale + _covered(context.area, "TOOLS"), MARGIN_PX[1] * scale
     width, height = (scale * b for b in BAR_PX)
     line, heading = LINE_PX * scale, title(scene)
     wide = max(blf.dimensions(0, heading)[0], width + 4 * line)
@@ -138,9 +143,14 @@ def _plate(box: Box) -> None:
         batch.draw(shader)
 
 
-def _covered(area: bpy.types.Area) -> float:
-    """Width of the toolbar that lies over the view's left edge."""
-    return max((r.width for r in area.regions if r.type == "TOOLS" and r.width > 1), default=0)
+def _covered(area: bpy.types.Area, kind: str) -> float:
+    """Width of the toolbar or sidebar (``TOOLS``, ``UI``) that lies over the view's edge."""
+    return max((r.width for r in area.regions if r.type == kind and r.width > 1), default=0)
+
+
+def beside_sidebar(left: float, width: float, free: float) -> float:
+    """A label of something that is seen moves out from under the sidebar."""
+    return min(left, free - width) if left < free else left
 
 
 @cache

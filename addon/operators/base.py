@@ -1,4 +1,6 @@
-"""What all operators share: the pipeline's one sentence becomes Blender's report."""
+"""What operators share: the pipeline's one sentence becomes Blender's report; a folder is asked for."""
+
+from pathlib import Path
 
 import bpy
 
@@ -24,6 +26,25 @@ class Operator(bpy.types.Operator):
 
     def work(self, context: bpy.types.Context) -> None:
         """Gather, call, apply."""
+        raise NotImplementedError
+
+
+class FolderChoice:
+    """What an operator that opens a run folder has beside ``Operator``; it says how in ``show``."""
+
+    directory: bpy.props.StringProperty(subtype="DIR_PATH", options={"HIDDEN"})
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Ask for the folder."""
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def work(self, context: bpy.types.Context) -> None:
+        """Read and show."""
+        self.show(context, Path(bpy.path.abspath(self.directory)))
+
+    def show(self, context: bpy.types.Context, folder: Path) -> None:
+        """Show what the folder holds, and have the scene remember it where that went well."""
         raise NotImplementedError
 
 

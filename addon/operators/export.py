@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import bpy
+from bpy.app.translations import pgettext_rpt as translated
 
 from pipeline.core.errors import StageError
 
@@ -25,7 +26,8 @@ class CABLETWIN_OT_export_files(Operator):
         if not export.folder:
             raise StageError("export", "no folder is chosen", "choose where the copies go")
         copied = copy_results(shown_run(context.scene), export.names(), Path(bpy.path.abspath(export.folder)))
-        self.report({"INFO"}, f"{len(copied)} → {copied[0].parent}")
+        text = translated("{} files copied to {}").format(len(copied), copied[0].parent)
+        self.report({"INFO"}, text)
 
 
 class CABLETWIN_OT_export_report(Operator):

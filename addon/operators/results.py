@@ -11,7 +11,7 @@ from ..results.collections import BLOCKS, MOSAIC, SPARSE
 from ..results.show import show_run
 from ..results.steel_run import is_steel
 from ..results.view import clear_startup, frame, show_pictures
-from .base import Operator
+from .base import FolderChoice, Operator
 from .running import run_folder
 
 
@@ -28,7 +28,7 @@ class CABLETWIN_OT_results_open(Operator):
         present_run(context, context.scene, run_folder(context.scene.cabletwin.run))
 
 
-class CABLETWIN_OT_results_choose(Operator):
+class CABLETWIN_OT_results_choose(FolderChoice, Operator):
     """Choose a run folder and show it."""
 
     bl_idname = "cabletwin.results_choose"
@@ -36,16 +36,8 @@ class CABLETWIN_OT_results_choose(Operator):
     bl_description = "Choose a run folder and show what it holds"
     bl_options = {"REGISTER", "UNDO"}
 
-    directory: bpy.props.StringProperty(subtype="DIR_PATH", options={"HIDDEN"})
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Ask for the folder."""
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
-
-    def work(self, context: bpy.types.Context) -> None:
-        """Read and show; the scene remembers the folder where that went well."""
-        folder = Path(bpy.path.abspath(self.directory))
+    def show(self, context: bpy.types.Context, folder: Path) -> None:
+        """The scene remembers the folder where that went well."""
         present_run(context, context.scene, folder)
         context.scene.cabletwin.run.folder = str(folder)
 

@@ -15,11 +15,11 @@ from ..results.steel_look import choose, look_at_all
 from ..results.steel_run import is_steel
 from ..results.steel_show import show_steel
 from ..results.view import clear_startup
-from .base import Operator
+from .base import FolderChoice, Operator
 from .following import JobOperator
 
 
-class CABLETWIN_OT_steel_choose(Operator):
+class CABLETWIN_OT_steel_choose(FolderChoice, Operator):
     """Choose the run folder of a steel structure and show it."""
 
     bl_idname = "cabletwin.steel_choose"
@@ -27,16 +27,8 @@ class CABLETWIN_OT_steel_choose(Operator):
     bl_description = "Choose the run folder of a steel structure and show what it holds"
     bl_options = {"REGISTER", "UNDO"}
 
-    directory: bpy.props.StringProperty(subtype="DIR_PATH", options={"HIDDEN"})
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Ask for the folder."""
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
-
-    def work(self, context: bpy.types.Context) -> None:
-        """Read and show; the scene remembers the folder where that went well."""
-        folder = Path(bpy.path.abspath(self.directory))
+    def show(self, context: bpy.types.Context, folder: Path) -> None:
+        """The scene remembers the folder where that went well."""
         present_steel(context, context.scene, folder)
         context.scene.cabletwin.steel.run_folder = str(folder)
 

@@ -1,14 +1,16 @@
 """Operators of the survey: new, open, save; blocks and stations in their lists."""
 
+import json
 from pathlib import Path
 
 import bpy
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
-from pipeline.cable.survey import survey_from, write_survey
+from pipeline.cable.survey import Survey, survey_from, write_survey
 
 from ..apply import open_survey, remember
 from ..gather import survey_path, survey_values
+from ..properties import shared
 from ..properties.survey import add_block, add_station
 from ..results.collections import SETUP
 from ..results.sketch import refresh_sketch
@@ -26,9 +28,7 @@ class CABLETWIN_OT_survey_new(Operator):
     bl_description = "Start a survey with a ring of cameras at equal angles"
     bl_options = _UNDOABLE
 
-    cameras: bpy.props.IntProperty(
-        name="Cameras", description="Cameras around the cable", default=4, min=1, max=16
-    )
+    cameras: shared.cameras(None)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask for the number of cameras."""
@@ -62,12 +62,12 @@ class CABLETWIN_OT_survey_open(Operator, ImportHelper):
     filter_glob: bpy.props.StringProperty(default="*.toml", options={"HIDDEN"})
 
     def work(self, context: bpy.types.Context) -> None:
-        """Read it; run folder and truth beside it are proposed."""
+        """Read it; the run folder beside it is proposed, and the truth if it is that of this survey."""
         path = Path(bpy.path.abspath(self.filepath))
-        open_survey(context.scene, path)
+        survey = open_survey(context.scene, path)
         run, truth = context.scene.cabletwin.run, path.parent / "truth.json"
         run.folder = str(path.parent / "run")
-        run.truth = str(truth) if truth.is_file() else ""
+        run.truth = str(truth) if _is_truth_of(truth, survey) else ""
         _present(context)
 
 
@@ -187,6 +187,17 @@ class CABLETWIN_OT_survey_lens_to_all(Operator):
         for block in survey.blocks:
             for key in LENS_KEYS:
                 setattr(block, key, getattr(shown, key))
+
+
+def _is_truth_of(path: Path, survey: Survey) -> bool:
+    """Whether a file tells the diameter of one of the stations: a run with another truth is refused."""
+    # pipeline.evaluate reads it too, but brings pycolmap, which ends Debian's Blender
+    try:
+        truth = json.loads(path.read_text(encoding="utf-8"))
+        known = {station["name"] for station in truth["stations"]}
+    except (OSError, ValueError, KeyError, TypeError):
+        return False
+    return not known.isdisjoint(station.name for station in survey.cable.stations)
 
 
 def _present(context: bpy.types.Context) -> None:

@@ -1,6 +1,10 @@
 """What all panels share: their place in the sidebar, and a few ways to draw."""
 
+from types import ModuleType
+
 import bpy
+
+from ..results.collections import view_layer_collection
 
 LETTER_PX, MARGIN_PX = 6.6, 50
 """Mean width of a letter, and what a box and an icon take of the sidebar, at scale 1."""
@@ -44,6 +48,37 @@ def aligned(layout: bpy.types.UILayout) -> bpy.types.UILayout:
     column.use_property_split = True
     column.use_property_decorate = False
     return column
+
+
+def eyes(layout: bpy.types.UILayout, context: bpy.types.Context, room: ModuleType) -> None:
+    """One line for each collection that is not empty: its eye and how much is in it.
+
+    Args:
+        layout: where to draw.
+        context: whose scene and view layer.
+        room: ``results.collections`` or ``results.steel_collections``.
+    """
+    column = layout.column(align=True)
+    for kind in room.KINDS:
+        found = room.existing(context.scene, kind)
+        if found is None or not found.objects:
+            continue
+        layer = view_layer_collection(context.view_layer, found)
+        if layer is None:
+            continue
+        row = column.row(align=True)
+        row.prop(layer, "hide_viewport", text="", emboss=False)
+        row.label(text=kind)
+        row.label(text=amount(kind, found, room), translate=False)
+
+
+def amount(kind: str, found: bpy.types.Collection, room: ModuleType) -> str:
+    """Points of clouds, else how many things of a kind that is counted."""
+    points = sum(item.get("cabletwin_points", 0) for item in found.objects)
+    if points:
+        return f"{points:,}"
+    # a station is a ring with its label
+    return str(sum("cabletwin_label" not in item for item in found.objects)) if kind in room.COUNTED else ""
 
 
 def sentence(layout: bpy.types.UILayout, text: str, icon: str = "NONE") -> None:

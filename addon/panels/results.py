@@ -4,7 +4,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as translated
 
 from ..results import collections
-from .base import Panel, sentence
+from .base import Panel, eyes, sentence
 
 
 class CABLETWIN_PT_results(Panel):
@@ -26,26 +26,10 @@ class CABLETWIN_PT_results(Panel):
         if not results.blocks:
             self.layout.label(text="Nothing is shown yet", icon="INFO")
             return
-        _switches(self.layout, context)
+        eyes(self.layout, context, collections)
         _blocks(self.layout, results)
         for warning in filter(None, results.warnings.split("\n")):
             sentence(self.layout.box(), warning, "ERROR")
-
-
-def _switches(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """One line for each collection: its eye and how much is in it."""
-    column = layout.column(align=True)
-    for kind in collections.KINDS:
-        found = collections.existing(context.scene, kind)
-        if found is None or not found.objects:
-            continue
-        layer = collections.view_layer_collection(context.view_layer, found)
-        if layer is None:
-            continue
-        row = column.row(align=True)
-        row.prop(layer, "hide_viewport", text="", emboss=False)
-        row.label(text=kind)
-        row.label(text=str(len(found.objects)), translate=False)
 
 
 def _blocks(layout: bpy.types.UILayout, results: bpy.types.PropertyGroup) -> None:

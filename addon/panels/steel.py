@@ -5,14 +5,16 @@ from bpy.app.translations import pgettext_iface as translated
 from bpy.app.translations import pgettext_n as n_
 
 from ..properties.steel import STEEL_STAGES
-from ..results import collections, steel_collections
-from .base import Panel, RowList, aligned, sentence
+from ..results import steel_collections
+from .base import Panel, RowList, aligned, eyes, sentence
 from .reconstruct import draw_progress
 from .steel_text import WINDS, gross_text, size_text
 
 _STAGE_NAMES = {name: label for name, label, _ in STEEL_STAGES}
 _FIRST = 0.2
 """Share of a row that its name gets."""
+_SIZE = 0.45
+"""Share of what is left that the first figure gets; the others have the rest in equal parts."""
 
 
 class CABLETWIN_UL_steel_columns(RowList):
@@ -162,18 +164,7 @@ class CABLETWIN_PT_steel_display(Panel):
         column = aligned(self.layout)
         column.prop(steel, "arrow_scale")
         column.prop(steel, "error_scale")
-        column = self.layout.column(align=True)
-        for kind in steel_collections.KINDS:
-            found = steel_collections.existing(context.scene, kind)
-            if found is None or not found.objects:
-                continue
-            layer = collections.view_layer_collection(context.view_layer, found)
-            if layer is None:
-                continue
-            row = column.row(align=True)
-            row.prop(layer, "hide_viewport", text="", emboss=False)
-            row.label(text=kind)
-            row.label(text=str(len(found.objects)), translate=False)
+        eyes(self.layout, context, steel_collections)
 
 
 def _figures(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
@@ -205,8 +196,9 @@ def _table_row(row: bpy.types.UILayout, name: str, cells: tuple[str, ...] | list
     split = row.split(factor=_FIRST)
     split.label(text=name, translate=False)
     rest = split.row()
+    columns = rest.split(factor=_SIZE)  # fixed widths, so that head and rows stand below each other
     for text in cells:
-        cell = rest.row()
+        cell = columns.row()
         cell.alignment = "RIGHT"
         cell.label(text=text, translate=False)
     rest.label(text="", icon=icon if icon != "NONE" else "BLANK1")

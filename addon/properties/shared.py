@@ -39,6 +39,27 @@ def standoff(follow: Follow) -> object:
     )
 
 
+def cameras(follow: Follow) -> object:
+    """How many there are in the ring."""
+    return bpy.props.IntProperty(
+        name="Cameras",
+        description="Cameras around the cable, at equal angles",
+        default=4,
+        min=1,
+        max=16,
+        update=follow,
+    )
+
+
+def synchronised() -> object:
+    """Whether the cameras share one clock."""
+    return bpy.props.BoolProperty(
+        name="Synchronised",
+        description="All cameras share one clock and one motion: frame k of each is one moment",
+        default=True,
+    )
+
+
 def focal_px(follow: Follow) -> object:
     """Pixels."""
     return bpy.props.FloatProperty(

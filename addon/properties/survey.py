@@ -70,11 +70,7 @@ class CableTwinSurvey(bpy.types.PropertyGroup):
         update=redraw_setup,
     )
     standoff: shared.standoff(redraw_setup)
-    synchronised: bpy.props.BoolProperty(
-        name="Synchronised",
-        description="All cameras share one clock: frame k of each is one moment",
-        default=True,
-    )
+    synchronised: shared.synchronised()
     blocks: bpy.props.CollectionProperty(type=CableTwinBlock)
     block_index: bpy.props.IntProperty(
         name="Block", description="The block that is shown", update=redraw_lens

@@ -28,14 +28,7 @@ _MILLIMETRES: dict[str, Any] = {"min": 0, "soft_max": 10, "precision": 2, "step"
 class RingAndLens:
     """A part of the area *synthesise*."""
 
-    cameras: bpy.props.IntProperty(
-        name="Cameras",
-        description="Cameras around the cable, at equal angles",
-        default=4,
-        min=1,
-        max=16,
-        update=_follow_ring,
-    )
+    cameras: shared.cameras(_follow_ring)
     standoff: shared.standoff(_follow_ring)
     frames: bpy.props.IntProperty(
         name="Frames each",
@@ -46,11 +39,7 @@ class RingAndLens:
         update=_follow_ring,
     )
     travel_in_image: shared.travel_in_image(_follow_ring)
-    synchronised: bpy.props.BoolProperty(
-        name="Synchronised",
-        description="All cameras share one clock and one motion; else each makes a pass of its own",
-        default=True,
-    )
+    synchronised: shared.synchronised()
 
     focal_px: shared.focal_px(_follow_ring)
     width_px: bpy.props.IntProperty(

@@ -7,7 +7,7 @@ from pipeline.core.vocabulary import Array
 
 from .materials import attribute_material
 
-COLOUR = "Col"
+COLOUR, GAMMA = "Col", 2.2
 
 
 def cloud_object(
@@ -34,6 +34,9 @@ def cloud_object(
         # in sRGB bytes, as the pictures are
         _set(data, COLOUR, "BYTE_COLOR", "color_srgb", rgba)
     data.materials.append(attribute_material(COLOUR if colours is not None else None))
+    if colours is not None and len(colours):
+        # solid views show no colours of points: the cloud has its mean one there, linear
+        data.materials[0].diffuse_color = (*(np.mean(colours, axis=0) / 255.0) ** GAMMA, 1.0)
     made = bpy.data.objects.new(name, data)
     made["cabletwin_points"] = len(points)
     return made

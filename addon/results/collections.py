@@ -21,6 +21,9 @@ RING = n_("Robot ring")
 KINDS = (SETUP, PATHS, SPARSE, CAMERAS, DENSE, BLOCKS, MOSAIC, STATIONS, PAIRS)
 """In the order of the work; the panel shows them translated, the outliner as they are."""
 
+COUNTED = {CAMERAS, BLOCKS, STATIONS}
+"""Kinds of which a person wants to know how many there are."""
+
 _KEY = "cabletwin_kind"
 
 

@@ -15,7 +15,7 @@ def attribute_material(attribute: str | None) -> bpy.types.Material:
         return found
     material, emission = _emission(name)
     if attribute is None:
-        emission.inputs["Color"].default_value = (0.95, 0.55, 0.1, 1)
+        emission.inputs["Color"].default_value = material.diffuse_color = (0.95, 0.55, 0.1, 1)
         return material
     tree = material.node_tree
     node = tree.nodes.new("ShaderNodeAttribute")

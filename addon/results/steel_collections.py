@@ -20,6 +20,9 @@ GROSS = n_("Gross errors")
 KINDS = (STATIONS, TARGETS, CLOUD, RODS, BALLS, COLUMNS, ARROWS, GROSS)
 """In the order of the panel."""
 
+COUNTED = set(KINDS)
+"""Kinds of which a person wants to know how many there are."""
+
 NAMES = {STATIONS: "Stations", COLUMNS: "Columns"}
 """Collections whose name in the outliner is shorter than what the panel calls them."""
 

@@ -7,8 +7,8 @@ from mathutils import Vector
 from . import steel_collections as steel
 from .view import views
 
-CLOSEST_M, MARGIN = 1.0, 1.6
-"""How near the eye comes to a small thing; how much more than a thing's box is seen."""
+CLOSEST_M, MARGIN, WHOLE_MARGIN = 1.0, 1.6, 1.2
+"""How near the eye comes to a small thing; how much more than the box of one thing, of all, is seen."""
 
 
 def look_at_all(context: bpy.types.Context, scene: bpy.types.Scene) -> None:
@@ -17,7 +17,7 @@ def look_at_all(context: bpy.types.Context, scene: bpy.types.Scene) -> None:
         space.shading.type, space.shading.light, space.shading.color_type = "SOLID", "STUDIO", "MATERIAL"
     kinds = (steel.RODS, steel.BALLS, steel.COLUMNS)
     items = [item for kind in kinds for item in steel.objects(scene, kind)]
-    _look(context, scene, items or [i for k in steel.KINDS for i in steel.objects(scene, k)])
+    _look(context, scene, items or [i for k in steel.KINDS for i in steel.objects(scene, k)], WHOLE_MARGIN)
 
 
 def choose(context: bpy.types.Context, scene: bpy.types.Scene, kind: str, name: str) -> bool:
@@ -34,11 +34,13 @@ def choose(context: bpy.types.Context, scene: bpy.types.Scene, kind: str, name: 
                 other.select_set(False, view_layer=view_layer)
         item.select_set(True, view_layer=view_layer)
         view_layer.objects.active = item
-    _look(context, scene, [item])
+    _look(context, scene, [item], MARGIN)
     return True
 
 
-def _look(context: bpy.types.Context, scene: bpy.types.Scene, items: list[bpy.types.Object]) -> None:
+def _look(
+    context: bpy.types.Context, scene: bpy.types.Scene, items: list[bpy.types.Object], margin: float
+) -> None:
     """Without the operator view3d.view_selected, which needs a window: scripts and tests have none."""
     for view_layer in scene.view_layers:
         view_layer.update()  # places of what was just made are not there before
@@ -51,4 +53,4 @@ def _look(context: bpy.types.Context, scene: bpy.types.Scene, items: list[bpy.ty
         if view.view_perspective == "CAMERA":
             view.view_perspective = "PERSP"
         view.view_location = Vector((low + high) / 2)
-        view.view_distance = max(MARGIN * float(np.linalg.norm(high - low)), CLOSEST_M)
+        view.view_distance = max(margin * float(np.linalg.norm(high - low)), CLOSEST_M)

@@ -70,12 +70,16 @@ def show_colours(context: bpy.types.Context, scene: bpy.types.Scene) -> None:
 
 
 def clear_startup(scene: bpy.types.Scene) -> None:
-    """Hide the startup file's objects where a person has added nothing to them."""
+    """Hide the startup file's objects where a person has added nothing to them; none of them stays active."""
     own = collections.own_objects(scene)
     others = [item for item in scene.objects if item not in own]
-    if {item.name for item in others} <= STARTUP:
-        for item in others:
-            item.hide_viewport = True
+    if not {item.name for item in others} <= STARTUP:
+        return
+    for item in others:
+        item.hide_viewport = True
+    for view_layer in scene.view_layers:
+        if view_layer.objects.active in others:
+            view_layer.objects.active = None
 
 
 def views(context: bpy.types.Context, scene: bpy.types.Scene) -> Iterator[bpy.types.SpaceView3D]:

@@ -3,6 +3,7 @@
 ZH = {
     "Export": "导出",
     "Copy the chosen files of the finished run to the folder": "将已完成结果中所选的文件复制到文件夹",
+    "{} files copied to {}": "已将 {} 个文件复制到 {}",
     "Open Report": "打开报告",
     "Open the report in the web browser; it needs no network": "在浏览器中打开报告，无需网络",
     "Show the exported files in the file manager; before an export, the run's own": (

@@ -3,7 +3,7 @@
 ZH = {
     "Survey": "测量项目",
     "Blocks": "相机条带",
-    "Stations": "测站",
+    "Stations": "测点",
     "New": "新建",
     "Open": "打开",
     "Save": "保存",
@@ -20,16 +20,16 @@ ZH = {
     "Add a camera, a quarter turn on from the last one": "添加一台相机，与上一台相隔四分之一圈",
     "Remove Block": "移除条带",
     "Take the chosen camera out of the survey": "从测量项目中移除所选相机",
-    "Add Station": "添加测站",
+    "Add Station": "添加测点",
     "Add a place where the diameter is wanted, in the middle of the travel or 50 mm on": (
-        "添加一个需要量测直径的位置：行程中点，或上一测站之后 50 mm"
+        "添加一个需要量测直径的位置：行程中点，或上一测点之后 50 mm"
     ),
-    "Remove Station": "移除测站",
-    "Take the chosen station out of the survey": "从测量项目中移除所选测站",
+    "Remove Station": "移除测点",
+    "Take the chosen station out of the survey": "从测量项目中移除所选测点",
     "Copy Lens to All Blocks": "将镜头复制到所有条带",
     "Give every camera the lens of the chosen one": "所有相机采用所选相机的镜头参数",
     "Cameras": "相机",
-    "Cameras around the cable": "拉索周围的相机数",
+    "Cameras around the cable, at equal angles": "等角分布于拉索周围的相机数",
     "Position": "位置",
     "Along the axis from the first frame": "沿轴线，自第一帧起算",
     "Video": "视频",
@@ -101,9 +101,11 @@ ZH = {
     "Stand-off": "物距",
     "From the centre of a camera to the axis of the cable": "相机中心到拉索轴线的距离",
     "Synchronised": "同步",
-    "All cameras share one clock: frame k of each is one moment": "所有相机同步：各相机的第 k 帧为同一时刻",
+    "All cameras share one clock and one motion: frame k of each is one moment": (
+        "所有相机共用一个时钟和一次运动：各相机的第 k 帧为同一时刻"
+    ),
     "Block": "条带",
     "The block that is shown": "当前显示的条带",
-    "Station": "测站",
-    "The station that is shown": "当前显示的测站",
+    "Station": "测点",
+    "The station that is shown": "当前显示的测点",
 }

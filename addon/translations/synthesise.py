@@ -40,12 +40,8 @@ ZH = {
     "Of all that is drawn by chance: texture, sway, mountings, noise": (
         "所有随机量的种子：纹理、摆动、安装误差、噪声"
     ),
-    "Cameras around the cable, at equal angles": "等角分布于拉索周围的相机数",
     "Frames each": "每台相机帧数",
     "Frames that each camera takes on its way": "每台相机沿途拍摄的帧数",
-    "All cameras share one clock and one motion; else each makes a pass of its own": (
-        "所有相机共用一个时钟和一次运动；否则各自单独行进一次"
-    ),
     "Width": "宽度",
     "Height": "高度",
     "Of the image, in pixels": "影像尺寸，像素",

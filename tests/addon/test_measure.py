@@ -259,6 +259,13 @@ def test_the_legend_says_the_range_in_numbers(cabletwin, scene):
     assert overlay.title(scene).endswith(f"⌀ {scene.cabletwin.measure.mean_diameter_mm:.2f} (mm)")
 
 
+def test_a_label_moves_out_from_under_the_sidebar_but_what_is_not_seen_gets_none(cabletwin):
+    beside = cabletwin.overlay.beside_sidebar
+    assert beside(100, 50, 400) == 100
+    assert beside(380, 50, 400) == 350
+    assert beside(410, 50, 400) == 410
+
+
 def test_labels_never_lie_over_each_other(cabletwin):
     far, first, second, third = (500, 0, 40, 20), (10, 0, 100, 20), (60, 5, 100, 20), (70, 12, 30, 20)
     assert cabletwin.overlay.apart([far, third, first, second]) == [

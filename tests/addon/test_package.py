@@ -1,5 +1,6 @@
 """The package as Blender gets it: checked, whole, unmodified, and gone without a trace when disabled."""
 
+import ast
 import subprocess
 import sys
 import tomllib
@@ -190,3 +191,17 @@ def _python(library, *words):
     return subprocess.run(
         [program, *words], env=library.environment(), cwd=ROOT, capture_output=True, text=True, timeout=120
     )
+
+
+def test_nothing_that_the_add_on_takes_from_the_pipeline_brings_what_ends_debians_blender():
+    taken = {
+        node.module
+        for path in (ROOT / "addon").rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and not node.level and node.module.startswith("pipeline")
+    }
+    assert len(taken) > 20
+    told = "print(sorted({'pycolmap', 'pye57', 'small_gicp'} & set(sys.modules)))"
+    code = "\n".join(("import sys", *(f"import {module}" for module in sorted(taken)), told))
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True)
+    assert done.stdout.strip() == "[]"

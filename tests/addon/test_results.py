@@ -42,6 +42,20 @@ def test_every_kind_of_thing_has_its_collection(shown, run):
     assert len(named("Mosaic")) == len(named("Dense cloud")) == 1
 
 
+def test_the_panel_counts_points_and_things_and_not_objects(shown, run):
+    base, room = library("panels.base"), library("results.collections")
+    said = {
+        kind: base.amount(kind, found, room)
+        for kind in room.KINDS
+        if (found := room.existing(bpy.context.scene, kind)) is not None
+    }
+    assert said["Sparse points"] == f"{sum(len(b.orientation.points) for b in run.blocks):,}"
+    assert said["Cameras"] == str(sum(len(b.frames) for b in run.blocks))
+    assert said["Block meshes"] == "4"
+    assert said["Stations"] == str(len(shown.results.stations))
+    assert said["Mosaic"] == said["Setup"] == ""
+
+
 def test_the_dense_cloud_is_the_files(shown, run):
     cloud = library("pipeline.report.model").ring_cloud(run.ring)
     (made,) = named("Dense cloud").values()
@@ -49,6 +63,15 @@ def test_the_dense_cloud_is_the_files(shown, run):
     rgba = np.empty(4 * len(cloud.points), dtype=np.float32)
     made.data.attributes["Col"].data.foreach_get("color_srgb", rgba)
     assert np.abs(255 * rgba.reshape(-1, 4)[:, :3] - cloud.colours).max() < 0.6
+
+
+def test_a_solid_view_shows_the_clouds_mean_colour(shown, run):
+    colours = library("pipeline.report.model").ring_cloud(run.ring).colours
+    (made,) = named("Dense cloud").values()
+    assert np.allclose(
+        np.array(made.data.materials[0].diffuse_color[:3]) ** (1 / 2.2), colours.mean(axis=0) / 255, atol=0.01
+    )
+    assert [o.data.materials[0].diffuse_color[2] < 0.2 for o in named("Sparse points").values()] == [True] * 4
 
 
 def test_a_large_cloud_is_thinned_evenly(run):

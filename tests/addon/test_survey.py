@@ -118,6 +118,17 @@ def test_one_lens_is_copied_to_all(opened):
     assert [b.focal_px for b in survey.blocks] == [801.25] * 4
 
 
+def test_a_truth_beside_it_is_proposed_only_if_it_knows_a_station(opened, rendered, tmp_path):
+    assert opened.cabletwin.run.truth == str(rendered / "truth.json")
+    text = (rendered / "survey.toml").read_text().replace('source = "', f'source = "{rendered.as_posix()}/')
+    for name in "ABCD":
+        text = text.replace(f'name = "{name}"', f'name = "S{name}"')
+    (tmp_path / "survey.toml").write_text(text)
+    (tmp_path / "truth.json").write_bytes((rendered / "truth.json").read_bytes())
+    assert bpy.ops.cabletwin.survey_open(filepath=str(tmp_path / "survey.toml")) == {"FINISHED"}
+    assert opened.cabletwin.run.truth == ""
+
+
 def test_it_survives_save_and_reload(opened, tmp_path):
     before = repr(gathered(opened))
     reloaded(tmp_path / "scene.blend")

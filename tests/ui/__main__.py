@@ -32,7 +32,7 @@ def main() -> int:
     _call(sys.executable, "-m", "tools.extension", "install", "--blender", chosen.blender)
     if chosen.chinese:
         chinese.rewrite_all(USER / "extensions" / "user_default" / "cabletwin")
-    survey = _survey(chosen.run)
+    survey = _survey({"run": chosen.run, "steel": chosen.steel})
     window = ("--window-geometry", "0", "0", *map(str, WINDOW))
     script = ROOT / "tests" / "ui" / f"{chosen.walk}.py"
     words = ("--enable-event-simulate", "--python-exit-code", "1", "--python", script)
@@ -51,12 +51,13 @@ def _parser() -> argparse.ArgumentParser:
         "--walk", default="walk", choices=("walk", "redraw", "pages"), help="what to do there (default walk)"
     )
     parser.add_argument("--run", type=Path, help="a finished run of the survey, for redraw, pages, 'opened'")
+    parser.add_argument("--steel", type=Path, help="a finished run of a steel structure, for 'steel', pages")
     parser.add_argument("--chinese", action="store_true", help="in Chinese, also where Blender has none")
     return parser
 
 
-def _survey(run: Path | None) -> Path:
-    """A copy of a small rendered survey, and of a run of it, which the walk may write to."""
+def _survey(runs: dict[str, Path | None]) -> Path:
+    """A copy of a small rendered survey, and of runs beside it, which the walk may write to."""
     rendered = Path(os.environ.get("CABLETWIN_TEST_SURVEY", ROOT / "out" / "ui-survey"))
     if not (rendered / "survey.toml").exists():
         _call(sys.executable, "-m", "synth", "render", SPEC, rendered)
@@ -67,8 +68,9 @@ def _survey(run: Path | None) -> Path:
     for file in rendered.iterdir():
         if file.is_file():
             shutil.copy(file, copy)
-    if run is not None:
-        shutil.copytree(run, copy / "run")
+    for name, run in runs.items():
+        if run is not None:
+            shutil.copytree(run, copy / name)
     return copy
 
 

@@ -24,10 +24,13 @@ def rewrite(path: Path, known: dict[str, str]) -> None:
     """Put Chinese in place of what this file shows."""
     source = path.read_text(encoding="utf-8")
     wanted = {text for text in shown(path) if text in known}
+    nodes = list(ast.walk(ast.parse(source)))
+    # what a table is asked by is not shown
+    keys = {id(key) for node in nodes if isinstance(node, ast.Dict) for key in node.keys}
     found = [
         node
-        for node in ast.walk(ast.parse(source))
-        if isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value in wanted
+        for node in nodes
+        if isinstance(node, ast.Constant) and node.value in wanted and id(node) not in keys
     ]
     lines = source.encode().splitlines(keepends=True)
     starts = [0]

@@ -18,7 +18,7 @@ DIGITS = ("ZERO", "ONE", "TWO", "THREE", "FOUR", "FIVE", "SIX", "SEVEN", "EIGHT"
 KEYS |= {str(k): name for k, name in enumerate(DIGITS)}
 KEYS |= {" ": "SPACE", ".": "PERIOD", ",": "COMMA", "-": "MINUS", "/": "SLASH", "_": "MINUS"}
 
-TRIES = 3
+TRIES, DRAG_STEPS = 3, 20
 
 Steps = Iterator[float]
 """What a step yields is a pause in seconds, in which Blender draws and handles events."""
@@ -78,6 +78,20 @@ class Driver:
         self._event("LEFTMOUSE", "RELEASE", ctrl=ctrl)
         yield 0.3
 
+    def drag(self, start: tuple[float, float], end: tuple[float, float]) -> Steps:
+        """Press, move in small steps, release."""
+        self.move(*start)
+        yield 0.5
+        self._event("LEFTMOUSE", "PRESS")
+        yield 0.2
+        for step in range(1, DRAG_STEPS + 1):
+            share = step / DRAG_STEPS
+            self.move(*(a + share * (b - a) for a, b in zip(start, end, strict=True)))
+            yield 0.1
+        yield 0.5
+        self._event("LEFTMOUSE", "RELEASE")
+        yield 0.5
+
     def wheel(self, turns: int, *, ctrl: bool = False) -> Steps:
         """Turn the wheel where the pointer is, down for positive numbers."""
         for _ in range(abs(turns)):
@@ -112,7 +126,7 @@ class Driver:
                 raise TimeoutError(f"still not so after {seconds} s: {condition}")
             yield every
 
-    def until(self, steps: Callable[[], Steps], condition: Callable[[], bool], seconds: float = 4) -> Steps:
+    def until(self, steps: Callable[[], Steps], condition: Callable[[], bool], seconds: float = 8) -> Steps:
         """Do it, and do it again where nothing came of it: a busy machine swallows a click now and then."""
         for _ in range(TRIES):
             yield from steps()

@@ -1,7 +1,8 @@
 """A picture of each panel with a finished run shown, to be looked at: nothing cut, empty, or in English.
 
-Takes a survey with a finished run in SURVEY/run, and a folder for pictures.  Runs inside Blender; with
-:mod:`chinese` applied to the installed extension the pictures are Chinese.
+Takes a survey with a finished run in SURVEY/run, and a folder for pictures; the run of a steel structure may
+lie in SURVEY/steel.  Runs inside Blender; with :mod:`chinese` applied to the installed extension the pictures
+are Chinese.
 """
 
 import os
@@ -34,6 +35,9 @@ def pages() -> Steps:
     yield 1.0
     yield from person.panel(PANELS[0])
     for number, name in enumerate(PANELS, start=1):
+        if name == "steel" and (SURVEY / "steel").is_dir():
+            with person.override(person.area(), person.region(kind="WINDOW")):
+                bpy.ops.cabletwin.steel_choose(directory=str(SURVEY / "steel"))
         yield from person.panel(name)
         yield 0.5
         yield from person.shot(f"page-{number}-{name}")

@@ -36,6 +36,7 @@ def colour(person: Person) -> Steps:
     yield 0.3
     yield from person.wheel(1, ctrl=True)
     yield from person.wait_for(lambda: state().measure.colour_by == "MEAN", 5)
+    yield from person.over(y=0.9)  # a tip over the panel would cover it
     yield 2.0
     yield from person.shot("15-measured")
     person.move(*spot)

@@ -11,6 +11,8 @@ from state import state
 
 LEFT, RIGHT = (0.28,), (0.62,)
 """Shares of the sidebar's width at which the two halves of a row lie."""
+MARKS_M = (0.10, 0.20)
+"""Positions along the cable of the marks that are picked."""
 
 
 def pick_pairs(person: Person) -> Steps:
@@ -28,12 +30,14 @@ def pick_pairs(person: Person) -> Steps:
     yield 2.0
     yield from person.press("cabletwin.mosaic_pick")
     yield 1.0
-    for y_m in (0.10, 0.20):
+    for y_m in MARKS_M:
         spot = on_screen(person, "Block1", 45.0, y_m)
         for _ in range(2):  # the mark on the one block, then through it on the other
             yield from person.click(*spot)
             yield 1.5
-    assert len(state().mosaic.pairs) == 2, len(state().mosaic.pairs)
+    pairs = state().mosaic.pairs
+    assert len(pairs) == 2, len(pairs)
+    assert all(abs(pair.point_a[1] - y_m) < 0.002 for pair, y_m in zip(pairs, MARKS_M, strict=True))
     yield from person.shot("12-mosaic-pairs")
     yield from person.key("ESC")
     yield from person.press("cabletwin.mosaic_fit")
@@ -49,7 +53,9 @@ def pick_pairs(person: Person) -> Steps:
 
 def on_screen(person: Person, block: str, azimuth_deg: float, y_m: float) -> tuple[float, float]:
     """Where a place on a block's surface is seen in the window."""
-    item = next(o for o in bpy.data.objects if o.get("cabletwin_block") == block and o.type == "MESH")
+    item = next(
+        o for o in bpy.data.objects if o.get("cabletwin_block") == block and "cabletwin_pair" not in o
+    )
     azimuth, radius_m = math.radians(azimuth_deg), 0.0555
     place = Vector((radius_m * math.cos(azimuth), y_m, -radius_m * math.sin(azimuth)))
     view = person.region(kind="WINDOW")

@@ -3,11 +3,13 @@
 import math
 from pathlib import Path
 
+import bpy
 from driver import Steps
 from sidebar import Person
 from state import survey
 
 VIDEOS = ("block1.mp4", "block2.mp4", "block3.mp4", "block4.mp4")
+NAMES = "ABCD"
 STATIONS_M = (0.06, 0.12, 0.18, 0.24)
 FIRST, SECOND = 0.2, (0.57,)
 """Shares of the sidebar's width at which a list's columns lie."""
@@ -103,7 +105,19 @@ def lens(person: Person) -> Steps:
     assert {round(b.focal_px) for b in survey().blocks} == {480}
     assert {round(b.division_lambda, 6) for b in survey().blocks} == {-0.02}
     yield from person.shot("04-lens")
+    yield from preview(person)
     yield from person.panel("lens")
+
+
+def preview(person: Person) -> Steps:
+    """A frame before and after the correction, in a window of its own."""
+    yield from person.press("cabletwin.lens_show", columns=(0.5,))
+    yield from person.wait_for(lambda: len(bpy.context.window_manager.windows) == 2)
+    yield 3.0
+    yield from person.shot("05-lens-preview")
+    with bpy.context.temp_override(window=bpy.context.window_manager.windows[-1]):
+        bpy.ops.wm.window_close()  # a virtual screen has no window manager, so no cross to click on
+    yield 1.0
 
 
 def stations(person: Person) -> Steps:
@@ -114,9 +128,21 @@ def stations(person: Person) -> Steps:
             lambda: person.press("cabletwin.survey_station_add", columns=BUTTONS),
             lambda n=number: len(survey().stations) == n + 1,
         )
+        yield from person.until(
+            lambda n=number: name_station(person, n), lambda n=number: survey().stations[n].name == NAMES[n]
+        )
         yield from person.fill(f"stations[{number}].position", str(position_m), columns=SECOND)
     found = [s.position for s in survey().stations]
     assert all(math.isclose(a, b, abs_tol=1e-6) for a, b in zip(found, STATIONS_M, strict=True)), found
+
+
+def name_station(person: Person, number: int) -> Steps:
+    """Ctrl and a click on its row make the name a field."""
+    spot = yield from person.row("station_index", number, FIRST)
+    yield from person.click(*spot, ctrl=True)
+    yield 0.5
+    yield from person.key("A", ctrl=True)
+    yield from person.retype(NAMES[number])
 
 
 def save(person: Person, path: Path) -> Steps:

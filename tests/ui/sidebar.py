@@ -12,7 +12,7 @@ from driver import Driver, Steps
 
 PANELS = (
     *("survey", "lens", "pos", "reconstruct", "results", "crop"),
-    *("mosaic", "measure", "export", "synthesise"),
+    *("mosaic", "measure", "export", "synthesise", "steel"),
 )
 HEAD_TOP_PX, HEAD_PX = 14, 28
 """Place of the first panel's head below the sidebar's top, and height of a closed panel, at scale 1."""
@@ -200,15 +200,22 @@ class Person(Driver):
         yield from self.wait_for(lambda: self.has_area("FILE_BROWSER"))
         yield from self.wait_for(lambda: self._files().params is not None)
         yield 0.8
-        yield from self.write("directory", f"{folder}/", area="FILE_BROWSER", columns=(0.6, 0.4, 0.8))
-        yield from self.wait_for(lambda: Path(self._files().params.directory.decode()) == folder, 10)
-        yield 0.8
+        if Path(self._files().params.directory.decode()) != folder:
+            yield from self.write("directory", f"{folder}/", area="FILE_BROWSER", columns=(0.6, 0.4, 0.8))
+            yield from self.wait_for(lambda: Path(self._files().params.directory.decode()) == folder, 10)
+            yield 0.8
         if confirm:
             yield from self._confirm()
 
     def type_file_name(self, name: str) -> Steps:
-        """In the file browser: the name of a file that is to be written."""
-        yield from self.write("filename", name, area="FILE_BROWSER", kind="EXECUTE", columns=(0.3, 0.5, 0.1))
+        """In the file browser: the name of a file that is to be written; its field tells no property."""
+        line = self.region("FILE_BROWSER", "EXECUTE")
+        for _ in range(2):  # the first click only leaves the field of the folder
+            yield from self.click(line.x + 0.3 * line.width, line.y + 0.5 * line.height)
+            yield 0.6
+        yield from self.key("A", ctrl=True)
+        yield from self.retype(name)
+        yield from self.wait_for(lambda: self._files().params.filename == name, 5)
         yield from self._confirm()
 
     def _files(self) -> bpy.types.Space:

@@ -1,8 +1,8 @@
 """The walk: from an empty scene to a measured cable, by mouse and keyboard, with a picture at each step.
 
 Takes the folder of a rendered survey, one for pictures, and the rooms to walk through (none: all).  With a
-finished run in SURVEY/run, "opened" and the rooms behind the reconstruction can be walked alone.  Runs inside
-Blender.
+finished run in SURVEY/run, "opened" and the rooms behind the reconstruction can be walked alone; "steel"
+wants a run of a steel structure in SURVEY/steel.  Runs inside Blender.
 """
 
 import os
@@ -14,10 +14,12 @@ import bpy
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import room_export
+import room_library
 import room_measure
 import room_mosaic
 import room_results
 import room_run
+import room_steel
 import room_survey
 from driver import Steps, play
 from sidebar import Person
@@ -73,6 +75,19 @@ def results() -> Steps:
     yield from room_results.preview_a_crop(person)
 
 
+def library() -> Steps:
+    """A cable dragged out of the Asset Browser, into an empty scene."""
+    yield from person.panel("survey")
+    yield from room_library.drag_a_cable(person)
+
+
+def steel() -> Steps:
+    """A run of a steel structure that lies beside the survey, in an empty scene."""
+    yield from person.panel("survey")
+    yield from room_steel.open_run(person, Path(SURVEY) / "steel")
+    yield from room_steel.look(person)
+
+
 DOORS = {
     "survey": survey,
     "run": run,
@@ -81,7 +96,7 @@ DOORS = {
     "measure": lambda: room_measure.measure_a_station(person),
     "export": lambda: room_export.export(person, Path(OUT) / "exported"),
 }
-ALONE = {"rendered": rendered, "opened": opened}
+ALONE = {"rendered": rendered, "opened": opened, "library": library, "steel": steel}
 
 
 def end(error: BaseException | None) -> None:

@@ -45,7 +45,7 @@ stage      takes                                               gives
 survey     survey.toml of kind steel                           scanner, targets, stations, columns, limits
 *station by station*
 clouds     E57, LAS, LAZ, PLY, PTS, XYZ                        points in the station frame
-targets    points, or a table written by hand                  sphere targets with covariance
+targets    points, or a table written by hand                  sphere targets, planes, axes with covariance
 *all stations*
 register   targets                                             names, poses, one covariance, gross errors
 compare    targets, points                                     the same station by station and by ICP
@@ -59,6 +59,7 @@ The other rooms:
 
 - ``core/``: shared words, geometry, lens, fits, adjustment, files, run folder; knows no stage.
 - ``report/``: tables, plots, the page, the exported files; computes nothing twice.
+- ``scan/``: a laser scan of a cable in the frame of its finished run (``python -m pipeline join-scan``).
 - ``evaluate/``: a run against the truth, and against stock COLMAP on the same frames.
 - ``opened``, ``joining``, ``copies``: a run folder read back, blocks joined anew by hand, files handed on.
 - ``progress``, ``console``: how far a run is, for programs and people.

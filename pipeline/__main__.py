@@ -1,4 +1,4 @@
-"""The command line: ``python -m pipeline run | steel | evaluate | lens``; see ``--help``.
+"""The command line: ``python -m pipeline run | steel | join-scan | evaluate | lens``; see ``--help``.
 
 Exit code 0 when the product is there, 2 for bad input (one sentence on stderr), 130 when interrupted.
 """
@@ -64,6 +64,8 @@ def _parser() -> argparse.ArgumentParser:
         "a large steel structure from laser scans and photos: stations, nodes, columns, deflection; resumes"
     )
     _steel_words(commands.add_parser("steel", help=steel))
+    joined = "bring a laser scan of a cable into the frame of its finished run, and compare the two"
+    _join_scan_words(commands.add_parser("join-scan", help=joined))
     _evaluate_words(commands.add_parser("evaluate", help="compare a run with what is true"))
     lens = "calibrate a lens from pictures of a chessboard, or estimate it from the cable's edges"
     _lens_words(commands.add_parser("lens", help=lens))
@@ -114,6 +116,24 @@ def _survey_words(command: argparse.ArgumentParser, stage_names: tuple[str, ...]
     command.add_argument(
         "--events", choices=("bar", "json", "none"), default="bar", help="progress on stderr"
     )
+
+
+def _join_scan_words(joined: argparse.ArgumentParser) -> None:
+    joined.add_argument("run", type=Path, help="the folder of a finished cable run")
+    joined.add_argument(
+        "--scan",
+        type=Path,
+        required=True,
+        action="append",
+        metavar="CLOUD",
+        help="E57, LAS, LAZ, PLY, PTS or XYZ; may be repeated for clouds in one frame",
+    )
+    joined.add_argument("--unit", choices=("m", "mm"), default="m", help="of the clouds' coordinates")
+    joined.add_argument("--pairs", type=Path, help="CSV of places pointed out in both, see docs/steel.md")
+    joined.add_argument("--out", type=Path, help="where to write; default: scan in the run's folder")
+    joined.add_argument("--language", choices=("en", "zh"), default="en", help="of the page when it opens")
+    joined.add_argument("--events", choices=("bar", "json", "none"), default="bar", help="progress on stderr")
+    joined.set_defaults(act=_join_scan)
 
 
 def _evaluate_words(evaluate: argparse.ArgumentParser) -> None:
@@ -192,6 +212,24 @@ def _steel(chosen: argparse.Namespace) -> int:
         only=chosen.only,
         truth=chosen.truth,
         language=chosen.language,
+    )
+    print(summary)
+    return 0
+
+
+def _join_scan(chosen: argparse.Namespace) -> int:
+    from pipeline.console import emitter
+    from pipeline.scan.product import make_scan_product
+    from pipeline.steel.survey_records import LengthUnit
+
+    summary = make_scan_product(
+        chosen.run,
+        tuple(chosen.scan),
+        LengthUnit(chosen.unit),
+        chosen.out,
+        chosen.language,
+        emitter(chosen.events, (), {"scan": 1.0}),
+        chosen.pairs,
     )
     print(summary)
     return 0

@@ -22,6 +22,8 @@ OPENED_FILES = (
 )
 """Of the whole cable or structure; report.json first, for it stands for a whole product."""
 
+SCAN = "scan"
+"""Folder about a laser scan that was held against the run (``join-scan``)."""
 OUTDATED = "outdated"
 
 
@@ -34,8 +36,12 @@ def set_aside(run_folder: Path) -> None:
     # a folder without products is no run folder, and its report.json is somebody else's
     if not (run_folder / "products").is_dir():
         return
-    for file in (run_folder / name for name in OPENED_FILES):
-        if not file.is_file():
+    names = list(OPENED_FILES)
+    if (run_folder / SCAN / "scan.json").is_file():
+        shutil.rmtree(run_folder / OUTDATED / SCAN, ignore_errors=True)
+        names.append(SCAN)
+    for file in (run_folder / name for name in names):
+        if not file.exists():
             continue
         try:
             (run_folder / OUTDATED).mkdir(exist_ok=True)

@@ -52,8 +52,8 @@ SIGMAS = """## What sigma is worth
 
 OVERALL = """
 Of all {count} stations {one:.0f} % lie within one sigma and {two:.0f} % within two (68 and 95 if sigma were
-exact); the root mean square of error over sigma is {rms:.2f}. Stations of one survey share that survey's errors,
-so a scenario of one seed says little by itself.
+exact); the root mean square of error over sigma is {rms:.2f}. Stations of one survey share that survey's
+errors, so a scenario of one seed says little by itself.
 """
 
 

@@ -41,6 +41,15 @@ def test_what_is_newer_replaces_what_was_set_aside_before(run):
     assert standing(run) == ["products"]
 
 
+def test_a_scan_that_was_held_against_the_run_goes_with_it(run):
+    for text in ("old", "new"):
+        (run / "scan").mkdir()
+        (run / "scan" / "scan.json").write_text(text)
+        set_aside(run)
+        assert "scan" not in standing(run)
+        assert (run / "outdated" / "scan" / "scan.json").read_text() == text
+
+
 def test_a_folder_that_no_run_made_is_left_alone(tmp_path):
     (tmp_path / "report.json").write_text("mine")
     set_aside(tmp_path)

@@ -47,6 +47,11 @@ STEEL_TEXTS: dict[str, tuple[str, str]] = {
         "{stations} 个测站与 {targets} 个靶标整体平差；{observations} 个观测的三维残差均方根为 {rms} mm。"
         "定权迭代次数：{rounds}。",
     ),
+    "steel_registration_figures": (
+        "With them {axes} axes of columns and rods and {planes} planes, found in the clouds and seen by two "
+        "stations or more.",
+        "同时参与平差的还有从点云中提取、至少两站可见的 {axes} 条柱杆轴线与 {planes} 个平面。",
+    ),
     "steel_plan_caption": (
         "Stations and targets from above. Ellipses: one standard deviation of the station's position, drawn "
         "{factor} times as large; thin lines: which station each one was first placed from.",

@@ -41,6 +41,7 @@ class Adjusted:
         tests: of each group.
         components: variance of unit weight of each kind.
         covariances: of the unknowns.
+        places: of each group, (n,) where its observations stand in ``covariances.between``.
         held: (S,) stations that define the frame.
         rounds, iterations: of re-weighting, and steps in all.
         largest_step_m: of the last iteration.
@@ -52,6 +53,7 @@ class Adjusted:
     tests: tuple[Tested, ...]
     components: dict[Component, float]
     covariances: Covariances
+    places: tuple[NDArray[np.int64], ...]
     held: NDArray[np.bool_]
     rounds: int
     iterations: int
@@ -87,6 +89,7 @@ def adjust(
         tests=(),
         components=dict.fromkeys(Component, 1.0),
         covariances=Covariances(stations=np.zeros(0), features=np.zeros(0), between=np.zeros(0)),
+        places=(),
         held=held,
         rounds=0,
         iterations=0,
@@ -121,7 +124,7 @@ def _round(network: Network, adjusted: Adjusted, options: RegisterOptions) -> Ad
         replace(test, ratio=test.ratio * adjusted.components[group.component] / new[group.component])
         for group, test in zip(adjusted.groups, tests, strict=True)
     )
-    return replace(adjusted, tests=tests, covariances=found, components=new)
+    return replace(adjusted, tests=tests, covariances=found, places=normals.places, components=new)
 
 
 def _converged(

@@ -17,6 +17,7 @@ from pipeline.steel.records import StationPose
 from pipeline.steel.segments import Pieces
 from pipeline.steel.tile_reader import TileReader
 from pipeline.steel.tile_records import SitePoints
+from pipeline.steel.vectors import lengths
 
 LEAST_POINTS = 40
 """A ball seen at fewer points is not reported."""
@@ -53,7 +54,7 @@ def find_ball(
     windows = _windows(place, pieces, nominal, options)
     reach = max(high for _, high in windows) + OFF_M
     around = reader.box(place - reach, place + reach)
-    around = around.where(np.linalg.norm(around.places - place, axis=1) < reach)
+    around = around.where(lengths(around.places - place) < reach)
     least = min(low for low, _ in windows)
     clear = around.where(~_on_rods(around.places, place, pieces, least))
     if len(clear) < LEAST_POINTS // 2:
@@ -97,7 +98,7 @@ def _on_rods(points: Array, place: Array, pieces: Pieces, clear_m: float) -> NDA
     on = np.zeros(len(points), dtype=bool)
     for start, axis, length, radius in _members_at(place, pieces):
         goal, t = float((place - start) @ axis), (points - start) @ axis
-        away = np.linalg.norm(points - start - t[:, None] * axis, axis=1)
+        away = lengths(points - start - t[:, None] * axis)
         low, high = min(-0.05, goal + clear_m), max(length + 0.05, goal - clear_m)
         on |= (away < 1.15 * radius + 0.008) & (t > low) & (t < high) & (np.abs(t - goal) > clear_m)
     return on
@@ -105,14 +106,14 @@ def _on_rods(points: Array, place: Array, pieces: Pieces, clear_m: float) -> NDA
 
 def _members_at(place: Array, pieces: Pieces) -> list[tuple[Array, Array, float, float]]:
     """Start, axis, length and radius of the members that come near a place."""
-    found = []
-    for start, end, radius in zip(pieces.starts, pieces.ends, pieces.radii_m, strict=True):
-        length = float(np.linalg.norm(end - start))
-        axis = (end - start) / length
-        foot = start + np.clip((place - start) @ axis, 0, length) * axis
-        if np.linalg.norm(foot - place) < 1.0:
-            found.append((start, axis, length, float(radius)))
-    return found
+    along = pieces.ends - pieces.starts
+    length = np.linalg.norm(along, axis=1)
+    axis = along / length[:, None]
+    reach = np.clip(np.sum((place - pieces.starts) * axis, axis=1), 0, length)
+    near = np.linalg.norm(pieces.starts + reach[:, None] * axis - place, axis=1) < 1.0
+    return [
+        (pieces.starts[k], axis[k], float(length[k]), float(pieces.radii_m[k])) for k in np.flatnonzero(near)
+    ]
 
 
 def _on_ball(
@@ -129,7 +130,7 @@ def _on_ball(
     for start, axis, length, width in _members_at(centre, pieces):
         outward = axis if (centre - start) @ axis < 0.5 * length else -axis
         out = (met - centre) @ outward
-        away = np.linalg.norm(met - start - ((met - start) @ axis)[:, None] * axis, axis=1)
+        away = lengths(met - start - ((met - start) @ axis)[:, None] * axis)
         # a column may be thicker than the ball it carries: it hides the ball's foot
         hidden = away < width + WELD_M if width < 0.9 * radius else out > 0.85 * radius
         on &= ~(hidden & (out > 0))
@@ -156,7 +157,7 @@ def _consensus(
         return None
     centres, radii = centres[good], radii[good]
     some = local[rng.permutation(len(local))[:1500]]
-    distance = np.abs(np.linalg.norm(some[None] - centres[:, None], axis=2) - radii[:, None])
+    distance = np.abs(lengths(some[None] - centres[:, None]) - radii[:, None])
     best = int(np.argmax(np.sum(np.clip(1 - (distance / (3 * noise_m)) ** 2, 0, None), axis=1)))
     return centres[best] + place, float(radii[best])
 

@@ -27,6 +27,11 @@ from pipeline.steel.steel_run import SteelRun
 from pipeline.steel.tile_records import Tiles
 from pipeline.steel.tiles import build_tiles
 
+UNLEVELLED = (
+    "No station is levelled and there are no control targets: columns are judged against the base station's "
+    "z, which may be off plumb; level the scanner and say scanner.levelled = true."
+)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Measured:
@@ -107,19 +112,22 @@ class SteelChain(StationStages):
 
         def make() -> Measured:
             members: Members = self._value("members")
+            plumb = self._value("register").registration.plumb
             nodes = measure_nodes(members, options.nodes)
-            columns = measure_columns(members, survey.columns, options.columns)
+            columns = measure_columns(members, survey.columns, options.columns, plumb)
             deflection: Deflection | None = None
-            cautions: tuple[str, ...] = ()
+            cautions = (UNLEVELLED,) if columns and plumb is None and not survey.control else ()
             if survey.structure.span_m is not None:
                 try:
                     span_m = survey.structure.span_m
-                    deflection = measure_deflection(nodes, columns, span_m, options.deflection)
+                    deflection = measure_deflection(
+                        nodes, columns, members, span_m, options.deflection, plumb
+                    )
                 except StageError as error:  # nodes and columns are worth having without it
-                    cautions = (str(error),)
+                    cautions = (*cautions, str(error))
             return Measured(nodes=nodes, columns=columns, deflection=deflection, cautions=cautions)
 
-        needs = (*self.made["members"], survey.columns, survey.structure.span_m)
+        needs = (*self.made["members"], *self.made["register"], survey.columns, survey.structure.span_m)
         stages = (options.nodes, options.columns, options.deflection)
         return [self._folder.product("measure", Measured, make, *needs, *stages)]
 

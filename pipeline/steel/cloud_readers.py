@@ -1,7 +1,8 @@
 """Points of one station out of a cloud file, run by run: E57, LAS, LAZ, PLY, PTS, XYZ.
 
-Takes the path; gives runs of (n, 3) float64 coordinates as written, and how many the file announces.  Leaves
-out units, checks of the coordinates and colours.  The libraries are imported where they are used.
+Takes the path; gives runs of (n, 3) float64 coordinates as written, with intensities as a fourth column where
+they are asked for, and how many the file announces.  Leaves out units, checks of the coordinates and colours.
+The libraries are imported where they are used.
 """
 
 from collections.abc import Callable, Iterator
@@ -23,6 +24,8 @@ _SPHERICAL = ("sphericalRange", "sphericalAzimuth", "sphericalElevation")
 _CARTESIAN = ("cartesianX", "cartesianY", "cartesianZ")
 _INVALID = ("cartesianInvalidState", "sphericalInvalidState")
 _COMMENTS = ("#", "//", ";")
+_BRIGHT = ("intensity", "scalar_intensity", "scalar_Intensity", "Intensity", "reflectance")
+"""What PLY files call it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,7 +34,7 @@ class CloudRuns:
 
     Attributes:
         announced: points that the file says it has; 0 where it does not say.
-        runs: (n, 3) coordinates as written.
+        runs: (n, 3) coordinates as written; (n, 4) with intensities, NaN where the file has none.
     """
 
     announced: int
@@ -39,13 +42,18 @@ class CloudRuns:
 
 
 @contextmanager
-def open_cloud(path: Path, station: str) -> Iterator[CloudRuns]:
+def open_cloud(path: Path, station: str, bright: bool = False) -> Iterator[CloudRuns]:
     """Open a cloud file by its ending; what the libraries raise about a broken file becomes one sentence.
+
+    Args:
+        path: of the file.
+        station: whose it is, for what is said about it.
+        bright: with intensities.
 
     Raises:
         StageError: the file cannot be read, is truncated, or holds no coordinates.
     """
-    readers: dict[str, tuple[Callable[[Path, str], Any], Callable[[], Errors]]] = {
+    readers: dict[str, tuple[Callable[[Path, str, bool], Any], Callable[[], Errors]]] = {
         ".e57": (_e57, _e57_errors),
         ".las": (_las, _las_errors),
         ".laz": (_las, _las_errors),
@@ -55,7 +63,7 @@ def open_cloud(path: Path, station: str) -> Iterator[CloudRuns]:
     }
     reader, library_errors = readers[path.suffix.lower()]
     try:
-        with reader(path, station) as cloud:
+        with reader(path, station, bright) as cloud:
             yield cloud
     except (OSError, EOFError, UnicodeDecodeError, *library_errors()) as error:  # type: ignore[misc]
         said = " ".join(str(error).split()).rstrip(".")
@@ -70,7 +78,7 @@ def cloud_error(station: str, cause: str, remedy: str) -> StageError:
 
 
 @contextmanager
-def _e57(path: Path, station: str) -> Iterator[CloudRuns]:
+def _e57(path: Path, station: str, bright: bool) -> Iterator[CloudRuns]:
     import pye57
 
     with path.open("rb"):
@@ -86,12 +94,19 @@ def _e57(path: Path, station: str) -> Iterator[CloudRuns]:
         if names is None:
             raise cloud_error(station, f"{path.name} holds no coordinates", "export it with x, y and z")
         fields = [*names, *(n for n in _INVALID if n in header.point_fields)]
-        yield CloudRuns(announced=header.point_count, runs=_e57_runs(file, header, fields))
+        if bright and "intensity" in header.point_fields:
+            fields.append("intensity")
+        yield CloudRuns(announced=header.point_count, runs=_e57_runs(file, header, fields, bright))
     finally:
         file.close()
 
 
-def _e57_runs(file: Any, header: Any, fields: list[str]) -> Iterator[Array]:  # noqa: ANN401 - pye57 has none
+def _e57_runs(
+    file: Any,  # noqa: ANN401 - pye57 has no types
+    header: Any,  # noqa: ANN401
+    fields: list[str],
+    bright: bool,
+) -> Iterator[Array]:
     data, buffers = file.make_buffers(fields, POINTS_PER_RUN)
     reader = header.points.reader(buffers)
     while count := reader.read():
@@ -99,10 +114,21 @@ def _e57_runs(file: Any, header: Any, fields: list[str]) -> Iterator[Array]:  # 
         if fields[0] == _SPHERICAL[0]:
             points = _cartesian(points)
         valid = np.ones(count, dtype=bool)
-        for name in fields[3:]:
-            valid &= data[name][:count] == 0
-        yield points[valid]
+        for name in _INVALID:
+            if name in fields:
+                valid &= data[name][:count] == 0
+        yield _with_bright(points, data["intensity"][:count] if "intensity" in fields else None, bright)[
+            valid
+        ]
     reader.close()
+
+
+def _with_bright(points: Array, intensities: Any, bright: bool) -> Array:  # noqa: ANN401 - of any type
+    """Coordinates with a fourth column, where it is asked for; NaN without intensities."""
+    if not bright:
+        return points
+    column = np.full(len(points), np.nan) if intensities is None else np.asarray(intensities, dtype=float)
+    return np.column_stack([points, column])
 
 
 def _cartesian(spherical: Array) -> Array:
@@ -120,12 +146,15 @@ def _e57_errors() -> Errors:
 
 
 @contextmanager
-def _las(path: Path, station: str) -> Iterator[CloudRuns]:
+def _las(path: Path, station: str, bright: bool) -> Iterator[CloudRuns]:
     import laspy
 
     with laspy.open(path) as file:
         chunks = file.chunk_iterator(POINTS_PER_RUN)
-        runs = (np.column_stack([chunk.x, chunk.y, chunk.z]) for chunk in chunks)
+        runs = (
+            _with_bright(np.column_stack([chunk.x, chunk.y, chunk.z]), chunk.intensity, bright)
+            for chunk in chunks
+        )
         yield CloudRuns(announced=file.header.point_count, runs=runs)
 
 
@@ -137,7 +166,7 @@ def _las_errors() -> Errors:
 
 
 @contextmanager
-def _ply(path: Path, station: str) -> Iterator[CloudRuns]:
+def _ply(path: Path, station: str, bright: bool) -> Iterator[CloudRuns]:
     from plyfile import PlyData
 
     data = PlyData.read(str(path), mmap="c")
@@ -147,10 +176,14 @@ def _ply(path: Path, station: str) -> Iterator[CloudRuns]:
             station, f"{path.name} has no vertex element with x, y and z", "export it as a point cloud"
         )
     vertices = elements["vertex"].data
-    runs = (
-        np.column_stack([vertices[axis][first : first + POINTS_PER_RUN] for axis in "xyz"]).astype(float)
-        for first in range(0, len(vertices), POINTS_PER_RUN)
-    )
+    known = next((n for n in _BRIGHT if n in {p.name for p in elements["vertex"].properties}), None)
+
+    def run(first: int) -> Array:
+        rows = vertices[first : first + POINTS_PER_RUN]
+        points = np.column_stack([rows[axis] for axis in "xyz"]).astype(float)
+        return _with_bright(points, None if known is None else rows[known], bright)
+
+    runs = (run(first) for first in range(0, len(vertices), POINTS_PER_RUN))
     yield CloudRuns(announced=len(vertices), runs=runs)
 
 
@@ -161,7 +194,7 @@ def _ply_errors() -> Errors:
 
 
 @contextmanager
-def _text(path: Path, station: str) -> Iterator[CloudRuns]:
+def _text(path: Path, station: str, bright: bool) -> Iterator[CloudRuns]:
     """PTS (first line: number of points) and XYZ (comments or a heading may stand first)."""
     with path.open(encoding="utf-8-sig") as file:
         lines, announced, first = 0, 0, file.readline()
@@ -170,26 +203,29 @@ def _text(path: Path, station: str) -> Iterator[CloudRuns]:
         if len(_numbers(first)) == 1:
             announced = int(_numbers(first)[0])
             lines, first = lines + 1, file.readline()
-        yield CloudRuns(announced=announced, runs=_text_runs(file, path, station, first, lines + 1))
+        yield CloudRuns(announced=announced, runs=_text_runs(file, path, station, first, lines + 1, bright))
 
 
-def _text_runs(file: TextIO, path: Path, station: str, first: str, line: int) -> Iterator[Array]:
+def _text_runs(
+    file: TextIO, path: Path, station: str, first: str, line: int, bright: bool
+) -> Iterator[Array]:
     if not first:
         return
+    columns = (0, 1, 2, 3) if bright and len(_numbers(first)) > 3 else (0, 1, 2)
     if len(_numbers(first)) < 3:
         raise _bad_line(path, station, line, first)
     comma = next((c for c in ",;" if c in first), None)
     while text := ([first] if first else []) + file.readlines(POINTS_PER_RUN * len(first or "x" * 40)):
         first = ""
         try:
-            run = np.loadtxt(text, usecols=(0, 1, 2), delimiter=comma, ndmin=2, comments=list(_COMMENTS[:2]))
+            run = np.loadtxt(text, usecols=columns, delimiter=comma, ndmin=2, comments=list(_COMMENTS[:2]))
         except ValueError as error:
             number, bad = next(
                 ((n, t) for n, t in enumerate(text) if t.strip() and len(_numbers(t)) < 3), (0, text[0])
             )
             raise _bad_line(path, station, line + number, bad) from error
         line += len(text)
-        yield run
+        yield _with_bright(run[:, :3], run[:, 3] if len(columns) > 3 else None, bright)
 
 
 def _is_comment(line: str) -> bool:

@@ -1,7 +1,9 @@
 """Columns: how far each leans, which way, and whether that is allowed (the paper's Table 1).
 
-Takes members and, where the survey lists them, the columns to judge; gives their inclination with sigma.
-Leaves out the fits: an axis that was seen over part of the height only is continued, and its sigma grows.
+Takes members, the plumb line and, where the survey lists them, the columns to judge; gives their inclination
+with sigma.  Plumb is what all levelled stations agree on: the site's z is that of one compensator, and would
+lean every column alike.  Leaves out the fits: an axis that was seen over part of the height only is
+continued, and its sigma grows.
 """
 
 from collections.abc import Sequence
@@ -12,7 +14,9 @@ from scipy.stats import norm
 
 from pipeline.core.errors import StageError
 from pipeline.core.vocabulary import Array
+from pipeline.steel.joint import Part, joint_covariance
 from pipeline.steel.member_records import Members, Rod
+from pipeline.steel.records import Plumb
 from pipeline.steel.survey_records import ColumnSpec
 
 STAGE = "columns"
@@ -45,7 +49,7 @@ class Column:
         member: name of the fitted cylinder.
         bottom_m, top_m: (3,) its axis at the two heights, site frame.
         height_mm: difference of the two heights.
-        tilt_mm: (2,) the top off the foot towards east and north.
+        tilt_mm: (2,) the top off the plumb line through the foot, towards east and north.
         tilt_covariance: (2, 2), mm^2.
         deviation_mm: amount of the tilt.
         sigma_mm: its standard deviation.
@@ -92,15 +96,23 @@ class Column:
 
 
 def measure_columns(
-    members: Members, specs: Sequence[ColumnSpec], options: ColumnOptions
+    members: Members, specs: Sequence[ColumnSpec], options: ColumnOptions, plumb: Plumb | None = None
 ) -> tuple[Column, ...]:
     """Judge the listed columns, or every column found where none is listed.
+
+    Args:
+        members: with the columns among them.
+        specs: what to judge, or nothing.
+        options: limits.
+        plumb: the plumb line; None: the site's z, taken as exact.
 
     Raises:
         StageError: a listed column has no upright cylinder at its place, or no height.
     """
     if not specs:
-        return tuple(_whole(rod, options) for rod in members.columns)
+        return tuple(
+            _column(rod.name, rod, _heights(rod), members, plumb, options) for rod in members.columns
+        )
     found: list[Column] = []
     missing: list[ColumnSpec] = []
     for spec in specs:
@@ -114,7 +126,8 @@ def measure_columns(
         if rod is None:
             missing.append(spec)
         else:
-            found.append(_column(spec.name, rod, spec.bottom_m, spec.top_m, options))
+            judged = (spec.bottom_m, spec.top_m)
+            found.append(_column(spec.name, rod, judged, members, plumb, options))
     if missing:
         raise StageError(STAGE, _absent(missing, members, options), _ABSENT_REMEDY)
     return tuple(found)
@@ -147,19 +160,17 @@ def _at(spec: ColumnSpec, members: Members, options: ColumnOptions) -> Rod | Non
     return best
 
 
-def _whole(rod: Rod, options: ColumnOptions) -> Column:
-    low, high = _heights(rod)
-    return _column(rod.name, rod, low, high, options)
-
-
-def _column(name: str, rod: Rod, low: float, high: float, options: ColumnOptions) -> Column:
+def _column(
+    name: str,
+    rod: Rod,
+    judged_m: tuple[float, float],
+    members: Members,
+    plumb: Plumb | None,
+    options: ColumnOptions,
+) -> Column:
+    low, high = judged_m
     bottom, top = _at_height(rod, low), _at_height(rod, high)
-    north = np.radians(options.north_deg)
-    # rows east, north: north is the azimuth north_deg clockwise from +y
-    turn = np.array([[np.cos(north), -np.sin(north)], [np.sin(north), np.cos(north)]])
-    tilt = 1000 * turn @ (top - bottom)[:2]
-    moves = turn @ (_horizontal_moves(rod, high) - _horizontal_moves(rod, low))
-    covariance = 1e6 * moves @ rod.covariance @ moves.T
+    tilt, covariance = _tilt(rod, judged_m, members, plumb, np.radians(options.north_deg))
     deviation = float(np.hypot(*tilt))
     along = tilt / deviation if deviation > 0 else np.array([0.0, 1.0])
     sigma = float(np.sqrt(along @ covariance @ along))
@@ -191,6 +202,26 @@ def _column(name: str, rod: Rod, low: float, high: float, options: ColumnOptions
         rms_mm=1000 * rod.rms_m,
         points=rod.points,
     )
+
+
+def _tilt(
+    rod: Rod, judged_m: tuple[float, float], members: Members, plumb: Plumb | None, north: float
+) -> tuple[Array, Array]:
+    """(2,) the top off the plumb line through the bottom, east and north, mm, and its (2, 2) covariance.
+
+    To first order in the plumb's lean: the heights are the site's.
+    """
+    low, high = judged_m
+    # rows east, north: north is the azimuth clockwise from +y
+    turn = np.array([[np.cos(north), -np.sin(north)], [np.sin(north), np.cos(north)]])
+    across = (_at_height(rod, high) - _at_height(rod, low))[:2]
+    moves = turn @ (_horizontal_moves(rod, high) - _horizontal_moves(rod, low))
+    part = Part(gain=moves, noise=rod.noise_covariance, share=rod.share)
+    if plumb is None:
+        return 1000 * turn @ across, 1e6 * joint_covariance([part], members)
+    across = across - (high - low) * plumb.direction[:2] / plumb.direction[2]
+    by_plumb = -(high - low) * turn @ plumb.across[:, :2].T
+    return 1000 * turn @ across, 1e6 * joint_covariance([part], members, by_plumb, plumb)
 
 
 def _heights(rod: Rod) -> tuple[float, float]:

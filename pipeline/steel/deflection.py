@@ -1,10 +1,11 @@
 """Deflection: how far the nodes of the bottom chord hang below the supports, against span / 250.
 
-Takes nodes, columns and the span; gives the sag of each node of the bottom chord with its sigma.  The
-reference is the plane through the supported nodes (those over columns), or the line through two of them.  A
-node is where its rods meet, the ball's centre where they do not tell: an eccentric ball is no deflection, and
-the rods tell the place more sharply.  Leaves out the camber that the grid was built with: it is not in the
-survey.
+Takes nodes, columns, the plumb line and the span; gives the sag of each node of the bottom chord with its
+sigma.  The reference is the plane through the supported nodes (those over columns), or the level line through
+two of them.  A node is where its rods meet, the ball's centre where they do not tell: an eccentric ball is no
+deflection, and the rods tell the place more sharply.  What node and supports have in common, as their
+stations' errors, cancels in the sag as far as it does.  Leaves out the camber that the grid was built with:
+it is not in the survey.
 """
 
 from collections.abc import Sequence
@@ -16,7 +17,19 @@ from scipy.stats import norm
 from pipeline.core.errors import StageError
 from pipeline.core.vocabulary import Array
 from pipeline.steel.columns import Column
+from pipeline.steel.joint import joint_covariance
+from pipeline.steel.member_records import Members
 from pipeline.steel.nodes import Node
+from pipeline.steel.records import Plumb
+from pipeline.steel.support_plane import (
+    SupportPlane,
+    bottom_chord,
+    is_support,
+    node_part,
+    node_place,
+    plane_through,
+    span_of,
+)
 
 STAGE = "deflection"
 
@@ -85,55 +98,72 @@ class Deflection:
 
 
 def measure_deflection(
-    nodes: Sequence[Node], columns: Sequence[Column], span_m: float | None, options: DeflectionOptions
+    nodes: Sequence[Node],
+    columns: Sequence[Column],
+    members: Members,
+    span_m: float | None,
+    options: DeflectionOptions,
+    plumb: Plumb | None = None,
 ) -> Deflection:
     """Measure how the bottom chord hangs.
 
     Args:
         nodes: all nodes.
         columns: all columns: the balls over them are the supports.
+        members: that the nodes come from.
         span_m: of the grid; None: the shorter side of the supports' rectangle.
         options: limit.
+        plumb: which way is up; None: the site's z, taken as exact.
 
     Raises:
         StageError: fewer than two supported balls.
     """
-    supports = [node for node in nodes if _is_support(node, columns, options)]
+    supports = tuple(node for node in nodes if is_support(node, columns, options.support_m))
     if len(supports) < 2:
         raise StageError(
             STAGE,
             f"{len(supports)} nodes stand on columns, and the line or plane of the supports needs two",
             "scan the heads of the columns from more sides, or leave the deflection out",
         )
-    places = np.array([_place(n)[0] for n in supports])
-    origin, design = places.mean(axis=0), _design(places)
-    weight = np.diag([1 / _place(n)[1] for n in supports])
-    normal = design.T @ weight @ design
-    gain = np.linalg.solve(normal, design.T @ weight)
-    plane = gain @ (places[:, 2] - origin[2])
-    near = _near_plane(nodes, places, plane, origin, options)
-    sags = []
-    for node in near:
-        here = _place(node)[0]
-        row = _row(here - origin, places - origin)
-        drop = float(row @ plane - (here[2] - origin[2]))
-        sigma = _sigma(node, supports, row @ gain)
-        is_support = any(node is s for s in supports)
-        sags.append(
-            Sag(
-                node=node.name,
-                place_m=here,
-                sag_mm=1000 * drop,
-                sigma_mm=1000 * sigma,
-                support=is_support,
-            )
-        )
+    # heights along the plumb line, lengths in plan as they are: to first order in its lean
+    up = np.array([0.0, 0.0, 1.0]) if plumb is None else plumb.direction / plumb.direction[2]
+    plane = plane_through(supports, up)
+    chord = bottom_chord(nodes, plane, options.chord_m)
+    return _judged(tuple(_sag(node, plane, members, plumb) for node in chord), plane, span_m, options)
+
+
+def _sag(node: Node, plane: SupportPlane, members: Members, plumb: Plumb | None) -> Sag:
+    """One node's sag and its sigma; a support is itself part of the reference."""
+    here = node_place(node)
+    involved = [*plane.supports, *([] if any(node is s for s in plane.supports) else [node])]
+    weights = np.zeros(len(involved))
+    weights[: len(plane.supports)] = plane.shares(here)
+    weights[next(k for k, other in enumerate(involved) if other is node)] -= 1
+    parts = [node_part(other, w * plane.up[None]) for other, w in zip(involved, weights, strict=True)]
+    by_plumb = None
+    if plumb is not None:
+        # heights follow the plumb line's slopes by how far the places lie apart
+        by_plumb = weights[None] @ np.array([node_place(other) for other in involved]) @ plumb.across.T
+    covariance = joint_covariance(parts, members, by_plumb, plumb)
+    return Sag(
+        node=node.name,
+        place_m=here,
+        sag_mm=-1000 * plane.rise_m(here),
+        sigma_mm=1000 * float(np.sqrt(covariance[0, 0])),
+        support=len(involved) == len(plane.supports),
+    )
+
+
+def _judged(
+    sags: tuple[Sag, ...], plane: SupportPlane, span_m: float | None, options: DeflectionOptions
+) -> Deflection:
+    """The largest sag against the limit."""
     worst = max(sags, key=lambda s: s.sag_mm)
-    span = _span(places) if span_m is None else span_m
+    span = span_of(plane.places) if span_m is None else span_m
     allowed = 1000 * span / options.limit
     return Deflection(
-        nodes=tuple(sags),
-        supports=tuple(n.name for n in supports),
+        nodes=sags,
+        supports=tuple(node.name for node in plane.supports),
         span_m=span,
         limit_mm=allowed,
         worst=worst.node,
@@ -143,76 +173,3 @@ def measure_deflection(
         over=worst.sag_mm > allowed,
         over_probability=float(norm.cdf((worst.sag_mm - allowed) / max(worst.sigma_mm, 1e-9))),
     )
-
-
-def _is_support(node: Node, columns: Sequence[Column], options: DeflectionOptions) -> bool:
-    """Tell whether a column ends right below the node's ball."""
-    for column in columns:
-        if node.column and node.column == column.member:
-            return True
-        place, ball_m = _place(node)[0], float(np.nan_to_num(node.diameter_mm / 1000))
-        away, rise = float(np.hypot(*(place - column.top_m)[:2])), float(place[2]) - column.seen_m[1]
-        if away < options.support_m and 0 < rise < options.support_m + 0.5 * ball_m:
-            return True
-    return False
-
-
-def _place(node: Node) -> tuple[Array, float]:
-    """Where a node is, (3,) metres, and the variance of its height, m^2."""
-    if np.isfinite(node.rods_m).all():
-        return node.rods_m, float(node.rods_covariance[2, 2])
-    return node.ball_m, float(node.ball_covariance[2, 2])
-
-
-def _design(places: Array) -> Array:
-    """Rows of the reference's equations about the supports' mean."""
-    local = places - places.mean(axis=0)
-    return np.array([_row(p, local) for p in local])
-
-
-def _row(local: Array, supports: Array) -> Array:
-    """Height of the reference at a place: a plane, or along one line where the supports lie on one."""
-    _, spread, axes = np.linalg.svd(supports[:, :2], full_matrices=False)
-    if len(supports) < 3 or spread[1] < 0.05 * spread[0]:
-        return np.array([1.0, float(local[:2] @ axes[0])])
-    return np.array([1.0, *local[:2]])
-
-
-def _near_plane(
-    nodes: Sequence[Node], supports: Array, plane: Array, origin: Array, options: DeflectionOptions
-) -> list[Node]:
-    """The nodes of the bottom chord: those near the supports' reference, the next layer being far."""
-    rise = np.array(
-        [
-            p[2] - origin[2] - _row(p - origin, supports - origin) @ plane
-            for p in (_place(n)[0] for n in nodes)
-        ]
-    )
-    if options.chord_m is not None:
-        reach = options.chord_m
-    else:
-        ordered = np.sort(rise)
-        steps = np.diff(ordered)
-        # the first wide step above the supports parts the chords
-        wide = [k for k in range(len(steps)) if steps[k] > 0.4 and ordered[k + 1] > 0.2]
-        reach = 0.5 * float(ordered[wide[0]] + ordered[wide[0] + 1]) if wide else float("inf")
-    return [node for node, r in zip(nodes, rise, strict=True) if abs(r) < max(reach, 0.05)]
-
-
-def _sigma(node: Node, supports: list[Node], shares: Array) -> float:
-    """Standard deviation of a node's sag, metres; a support is itself part of the reference."""
-    total, own = 0.0, 1.0
-    for support, share in zip(supports, shares.tolist(), strict=True):
-        if support is node:
-            own -= share
-        else:
-            total += share**2 * _place(support)[1]
-    return float(np.sqrt(total + own**2 * _place(node)[1]))
-
-
-def _span(supports: Array) -> float:
-    """Shorter side of the rectangle around the supports, along their main directions; metres."""
-    local = (supports - supports.mean(axis=0))[:, :2]
-    _, _, axes = np.linalg.svd(local, full_matrices=False)
-    sides = np.ptp(local @ axes.T, axis=0)
-    return float(sides.min() if sides.min() > 0.05 * sides.max() else sides.max())

@@ -70,7 +70,7 @@ def fuse(
     worth = [worth_of(start, kind, some, cable) for start, some in zip(starts, fused, strict=True)]
     points, normals = evenly(photo, options.photo_points)
     emit(Event(stage=STAGE, done=40, total=STEPS))
-    laid_all = []
+    tried = []
     for number, start in enumerate(starts):
         done = 40 + 50 * number // len(starts)
 
@@ -81,20 +81,29 @@ def fuse(
         laid, held = _laid(
             points, normals, surface, spheres, start, edge, worth[number], cable, options, tick
         )
-        laid_all.append((laid, held, number))
-    noise_m = min((item[0].noise_m for item in laid_all if len(item[0].chosen) >= 200), default=1.0)
-    best = max(laid_all, key=lambda item: _merit(item[0], noise_m))
-    laid, held, number = best
-    if laid.share < options.least_overlap or len(laid.chosen) < 200:
-        raise StageError(
-            STAGE,
-            f"only {100 * laid.share:.0f} % of the photo cloud lie on scanned surface",
-            "check that both show the same part, or give pairs of places by hand",
-        )
-    _refuse_rivals(laid_all, best, noise_m, points, options)
+        tried.append((laid, held, number))
+    laid, held, number = _best(tried, points, options)
     fusion = _fusion(laid, held, kind, fused[number], cable, options)
     emit(Event(stage=STAGE, done=STEPS, total=STEPS))
     return fusion
+
+
+def _best(tried: list[tuple[Laid, Held, int]], points: Array, options: FuseOptions) -> tuple[Laid, Held, int]:
+    """The placement that most points agree with.
+
+    Raises:
+        StageError: too few agree, or as many with another one.
+    """
+    noise_m = min((item[0].noise_m for item in tried if len(item[0].chosen) >= 200), default=1.0)
+    best = max(tried, key=lambda item: _merit(item[0], noise_m))
+    if best[0].share < options.least_overlap or len(best[0].chosen) < 200:
+        raise StageError(
+            STAGE,
+            f"only {100 * best[0].share:.0f} % of the photo cloud lie on scanned surface",
+            "check that both show the same part, or give pairs of places by hand",
+        )
+    _refuse_rivals(tried, best, noise_m, points, options)
+    return best
 
 
 def _check(photo: PhotoCloud, scan: ScanCloud) -> None:

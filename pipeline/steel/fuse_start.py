@@ -23,6 +23,8 @@ STAGE = "fuse"
 STEPS = 100
 MOST_RIVALS = 8
 """So many placements that the features allow are tried on the points."""
+CUBE_SHARE = 1 / 60
+"""Edge of the cubes that points are spread over, as a share of the cloud's size."""
 MOST_FOR_SPHERES = 400_000
 LEAST_NOISE_M = {Start.PAIRS: 0.010, Start.FEATURES: 0.002}
 """A place pointed out by hand, or a sphere seen in photos, is never better; few may agree by chance."""
@@ -124,15 +126,23 @@ def _grey(photo: PhotoCloud) -> Array:
 
 
 def evenly(photo: PhotoCloud, most: int) -> tuple[Array, Array]:
-    """One point of each cube, so that near and far parts count alike, at most about ``most``."""
+    """At most ``most`` points, evenly spread, so that near and far parts count alike.
+
+    Each cube gives some of its points, whichever: the cubes are far larger than the noise, since one point a
+    small cube would prefer points off the surface, which have their cubes to themselves, and make balls and
+    rods wider.
+    """
     # every so many points first: cubes of all of them would take longer than the rest of the fusion
     some = np.arange(0, len(photo), max(len(photo) // (12 * most), 1))
     points, normals = photo.points[some], photo.normals[some]
     low, high = np.percentile(points, 2, axis=0), np.percentile(points, 98, axis=0)
-    edge = float(np.linalg.norm(high - low)) / 4000
-    while True:
-        _, first = np.unique(cube_of(points, edge), return_index=True)
-        if len(first) <= most:
-            chosen = np.sort(first)
-            return points[chosen], normals[chosen]
-        edge *= max(1.1, (len(first) / most) ** 0.5)
+    cube = cube_of(points, float(np.linalg.norm(high - low)) * CUBE_SHARE)
+    mixed = np.random.default_rng(len(points)).permutation(len(points))
+    order = mixed[np.argsort(cube[mixed], kind="stable")]
+    counts = np.bincount(cube)
+    rank = np.empty(len(points), dtype=np.int64)
+    rank[order] = np.arange(len(points)) - np.repeat(np.cumsum(counts) - counts, counts)
+    # so many from each: the most that together are not too many
+    given = np.cumsum(np.bincount(rank))
+    chosen = np.flatnonzero(rank < max(int(np.searchsorted(given, most, side="right")), 1))
+    return points[chosen], normals[chosen]

@@ -137,10 +137,12 @@ def _named(
     way = one.offset / max(size, 1e-12)
     fits = _fitting(network, adjusted, one.place, one.covariance, feature)
     misnamed = bool(fits) or size > options.moved_at_most_m
+    # two stations may see an axis at quite different places along it
+    comparable = network.kinds[feature] is FeatureKind.POINT and not misnamed
     same = [
         other
         for other in left_out
-        if network.feature[other.observation] == feature and _alike(one, other) and not misnamed
+        if comparable and network.feature[other.observation] == feature and _alike(one, other)
     ]
     together = [int(network.station[other.observation]) for other in same] or [station]
     return GrossError(
@@ -189,9 +191,11 @@ def _feature_covariance(adjusted: Adjusted, feature: int) -> Array:
 
 
 def _alike(one: _LeftOut, other: _LeftOut) -> bool:
+    if one is other:
+        return True
     away = one.place - other.place
     distance = float(away @ np.linalg.solve(one.covariance + other.covariance, away))
-    return one is other or distance < float(chi2.isf(FITS, 3))
+    return distance < float(chi2.isf(FITS, 3))
 
 
 def _instead(network: Network, adjusted: Adjusted, feature: int, station: int) -> str:

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pipeline.core.vocabulary import Array
 from pipeline.steel.records import Feature, FeatureKind, StationPose
+from pipeline.steel.vectors import lengths
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,7 +129,7 @@ class Rod:
     def apart(self, points: ArrayLike) -> Array:
         """Distances (n,) of points (n, 3) from the axis, which is taken to go on for ever."""
         away = np.asarray(points, dtype=float) - self.place
-        return np.linalg.norm(away - (away @ self.direction)[..., None] * self.direction, axis=-1)
+        return lengths(away - (away @ self.direction)[..., None] * self.direction)
 
 
 @dataclass(frozen=True, kw_only=True)

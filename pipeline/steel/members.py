@@ -1,16 +1,20 @@
 """Members: the rods, columns and ball nodes in the registered cloud.
 
 Takes the tiles and, where known, the nominal sizes; gives fitted members with covariance.  Works tile by tile
-for the search and member by member for the fits, so that memory stays bounded.  Leaves out nodes' centres and
+for the search and member by member for the fits, a few side by side, so that memory stays bounded.  What each
+finds depends on nothing that runs beside it.  Leaves out nodes' centres and
 eccentricity (nodes.py), inclination (columns.py) and deflection (deflection.py).
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from pipeline.core.errors import StageError
 from pipeline.core.events import Emit, Event, part
+from pipeline.core.parallel import side_by_side, workers_for
 from pipeline.core.vocabulary import Array
 from pipeline.steel.assembly import balls_with_rods, joints_without_balls
 from pipeline.steel.balls import find_ball
@@ -28,6 +32,8 @@ from pipeline.steel.tile_records import Tiles
 STAGE = "members"
 ROUGH = 1.8
 """A member's points may be this many times as far off it as usual."""
+MOST_AT_ONCE = 2
+"""Each tile that is searched holds some million points and what is computed from them in memory."""
 MARGIN_M = 0.2
 """Tiles are searched with the points of their neighbours up to here."""
 
@@ -70,23 +76,37 @@ def find_members(tiles: Tiles, nominal: NominalSizes, options: MemberOptions, em
     )
 
 
+def _each[T](work: Sequence[Callable[[Callable[[], None]], T]], emit: Emit) -> list[T]:
+    """Results of independent pieces of work, in order, a few side by side; each is given a tick to call."""
+    finished: list[int] = []  # appending is atomic
+
+    def job(number: int, told: Emit) -> T:
+        def tick() -> None:
+            told(Event(stage=STAGE, done=min(len(finished), len(work) - 1), total=len(work), message=""))
+
+        tick()
+        result = work[number](tick)
+        finished.append(number)
+        return result
+
+    jobs = [partial(job, number) for number in range(len(work))]
+    return side_by_side(jobs, emit, workers_for(min(len(work), MOST_AT_ONCE)))
+
+
 def _search(reader: TileReader, nominal: NominalSizes, options: MemberOptions, emit: Emit) -> Pieces:
     """Pieces of cylinders of all tiles."""
     tiles, noise = reader.tiles, options.range_sigma_mm / 1000
     scanners = np.array([pose.translation for pose in tiles.stations])
-    window, parts = _window(nominal, options), []
-    for number, cell in enumerate(tiles.cells.tolist()):
+    window = _window(nominal, options)
 
-        def tick(number: int = number) -> None:
-            emit(Event(stage=STAGE, done=number, total=len(tiles.cells), message=""))
-
-        tick()
-        low = np.array(cell) * tiles.tile_m - MARGIN_M
+    def search(cell: Array, tick: Callable[[], None]) -> Pieces | None:
+        low = cell * tiles.tile_m - MARGIN_M
         points = reader.box(low, low + tiles.tile_m + 2 * MARGIN_M)
         found = oriented(points, scanners, options.search_spacing_m, noise, tick)
-        if found is not None:
-            parts.append(find_pieces(found, window, options.reach_m, noise, tick))
-    return all_pieces(parts)
+        return None if found is None else find_pieces(found, window, options.reach_m, noise, tick)
+
+    parts = _each([partial(search, cell) for cell in tiles.cells], emit)
+    return all_pieces([part for part in parts if part is not None])
 
 
 def _window(nominal: NominalSizes, options: MemberOptions) -> Window:
@@ -108,15 +128,16 @@ def _balls(
     reader: TileReader, pieces: Pieces, nominal: NominalSizes, options: MemberOptions, emit: Emit
 ) -> list[Fitted]:
     """Spheres at the places where rods meet; of two that are the same, the one with more points."""
-    places, found = meeting_places(pieces), []
+    places = meeting_places(pieces)
     # neighbours after each other: their tiles are in memory then
-    for number, place in enumerate(places[np.lexsort(np.floor(places / reader.tiles.tile_m).T)]):
-        emit(Event(stage=STAGE, done=number, total=len(places)))
-        ball = find_ball(place, reader, pieces, nominal, options, number)
-        if ball is not None:
-            found.append(ball)
+    ordered = places[np.lexsort(np.floor(places / reader.tiles.tile_m).T)]
+
+    def find(number: int, tick: Callable[[], None]) -> Fitted | None:
+        return find_ball(ordered[number], reader, pieces, nominal, options, number)
+
+    found = _each([partial(find, number) for number in range(len(ordered))], emit)
     kept: list[Fitted] = []
-    for ball in sorted(found, key=lambda b: -len(b.used)):
+    for ball in sorted((b for b in found if b is not None), key=lambda b: -len(b.used)):
         if all(np.linalg.norm(ball.place - k.place) > 0.5 * (ball.radius_m + k.radius_m) for k in kept):
             kept.append(ball)
     return kept
@@ -131,16 +152,16 @@ def _rods(
     emit: Emit,
 ) -> list[Rod]:
     middles = 0.5 * (pieces.starts + pieces.ends)
-    found = []
-    for number, k in enumerate(np.lexsort(np.floor(middles / reader.tiles.tile_m).T).tolist()):
-        emit(Event(stage=STAGE, done=number, total=len(pieces)))
+
+    def measure(k: int, tick: Callable[[], None]) -> Rod | None:
         start, end, radius = pieces.starts[k], pieces.ends[k], float(pieces.radii_m[k])
         near = np.linalg.norm(balls[0] - middles[k], axis=1) < 0.5 * np.linalg.norm(end - start) + 1.0
-        rod = measure_rod(start, end, radius, reader, (balls[0][near], balls[1][near]), options)
-        if rod is not None:
-            found.append(rod)
+        return measure_rod(start, end, radius, reader, (balls[0][near], balls[1][near]), options)
+
+    order = np.lexsort(np.floor(middles / reader.tiles.tile_m).T).tolist()
+    found = _each([partial(measure, k) for k in order], emit)
     window = _window(nominal, options)
-    fitting = [rod for rod in found if window.holds(np.array([rod.radius_m]))[0]]
+    fitting = [rod for rod in found if rod is not None and window.holds(np.array([rod.radius_m]))[0]]
     return _without_rough(_without_doubles(fitting))
 
 
@@ -156,18 +177,19 @@ def _without_rough(rods: list[Rod]) -> list[Rod]:
 
 def _without_doubles(rods: list[Rod]) -> list[Rod]:
     """Of two fits to the same surface, the longer one."""
-    kept: list[Rod] = []
-    for rod in sorted(rods, key=lambda r: -r.length_m):
-        middle = 0.5 * (rod.start + rod.end)
-        same = (
-            k.apart(middle) < 0.5 * k.radius_m
-            and k.first_m < float(k.along(middle)) < k.last_m
-            and abs(float(k.direction @ rod.direction)) > 0.9
-            for k in kept
-        )
-        if not any(same):
-            kept.append(rod)
-    return kept
+    ordered = sorted(rods, key=lambda r: -r.length_m)
+    middles = np.array([0.5 * (r.start + r.end) for r in ordered]).reshape(-1, 3)
+    axes = np.array([r.direction for r in ordered]).reshape(-1, 3)
+    doubled = np.zeros(len(ordered), dtype=bool)
+    for number, rod in enumerate(ordered):
+        if doubled[number]:
+            continue
+        along = rod.along(middles)
+        same = (rod.apart(middles) < 0.5 * rod.radius_m) & (np.abs(axes @ rod.direction) > 0.9)
+        same &= (rod.first_m < along) & (along < rod.last_m)
+        same[: number + 1] = False
+        doubled |= same
+    return [rod for rod, again in zip(ordered, doubled.tolist(), strict=True) if not again]
 
 
 def _is_column(

@@ -24,14 +24,19 @@ SCAN_GREY = 160
 
 
 def write_merged(
-    path: Path, photo: PhotoCloud, scan: ScanCloud, fusion: Fusion, station_names: tuple[str, ...] = ()
+    path: Path,
+    photo: PhotoCloud,
+    scan: ScanCloud,
+    fusion: Fusion,
+    station_names: tuple[str, ...] = (),
+    frame: str = "site",
 ) -> None:
-    """Write the merged cloud, site frame, metres.
+    """Write the merged cloud, metres, in the frame of the scan (called ``frame`` in the file's heading).
 
     Raises:
         StageError: the file cannot be written.
     """
-    lines = ["ply", "format binary_little_endian 1.0", "comment CableTwin; metres; site frame"]
+    lines = ["ply", "format binary_little_endian 1.0", f"comment CableTwin; metres; {frame} frame"]
     lines += [
         f"comment origin {PHOTO} is a photo; {number} is station {name}"
         for number, name in enumerate(station_names)

@@ -15,9 +15,11 @@ import numpy as np
 from scipy.stats import chi2
 
 from pipeline.core.vocabulary import Array
+from pipeline.steel.joint import Part, joint_covariance, together
 from pipeline.steel.member_records import Ball, Joint, Members, Rod, StationShare
 from pipeline.steel.perpendiculars import CentreRule, perpendicular_centre
-from pipeline.steel.shares import with_stations
+
+_NO_SHARE = StationShare(stations=np.zeros(0, dtype=np.int64), gains=np.zeros((0, 3, 7)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,11 +44,15 @@ class Node:
         name: of its ball.
         ball_m: (3,) centre of the ball, site frame; NaN where it was not seen.
         ball_covariance: (3, 3), m^2.
+        ball_noise: (4, 4) of (x, y, z, radius) of it what the points' noise leaves.
+        ball_share: how the same four follow the stations' errors.
         diameter_mm: of the ball.
         rods: their names.
         column: name of the column below, or "".
         rods_m: (3,) where the rods meet by least squares; NaN with fewer than two rods that cross.
         rods_covariance: (3, 3), m^2.
+        rods_noise: (3, 3) of it what the points' noise and the axes' passing each other leave.
+        rods_share: how the meeting place follows the stations' errors.
         axes_rms_mm: root mean square distance of the axes from there.
         perpendicular_m: (3,) where they meet after the paper; NaN where no two cross.
         perpendicular_rule: how it was found.
@@ -62,11 +68,15 @@ class Node:
     name: str
     ball_m: Array
     ball_covariance: Array
+    ball_noise: Array
+    ball_share: StationShare
     diameter_mm: float
     rods: tuple[str, ...]
     column: str
     rods_m: Array
     rods_covariance: Array
+    rods_noise: Array
+    rods_share: StationShare
     axes_rms_mm: float
     perpendicular_m: Array
     perpendicular_rule: CentreRule
@@ -123,15 +133,13 @@ def _node(
     paper = perpendicular_centre(
         np.array([r.place for r in rods]).reshape(-1, 3), np.array([r.direction for r in rods]).reshape(-1, 3)
     )
-    noise = scatter.copy()
-    for rod, gain in zip(rods, gains, strict=True):
-        noise += gain @ rod.noise_covariance @ gain.T
-    parts = [(rod.share, gain) for rod, gain in zip(rods, gains, strict=True)]
-    stations, bias = members.stations, members.range_bias_m
-    rods_covariance = with_stations(noise, _together(parts), stations, bias)
-    own = np.eye(3, 4)
-    parts = [(ball.share, own), *[(share, -gain) for share, gain in parts]]
-    covariance = with_stations(noise + ball.noise_covariance[:3, :3], _together(parts), stations, bias)
+    meeting = [
+        Part(gain=gain, noise=rod.noise_covariance, share=rod.share)
+        for rod, gain in zip(rods, gains, strict=True)
+    ]
+    passing = Part(gain=np.eye(3), noise=scatter, share=_NO_SHARE)
+    own = Part(gain=-np.eye(3, 4), noise=ball.noise_covariance, share=ball.share)
+    covariance = joint_covariance([own, passing, *meeting], members)
     away = ball.centre - centre
     amount = float(np.linalg.norm(away))
     known = bool(np.isfinite(away).all())
@@ -141,11 +149,15 @@ def _node(
         name=ball.name,
         ball_m=ball.centre,
         ball_covariance=ball.covariance[:3, :3],
+        ball_noise=ball.noise_covariance,
+        ball_share=ball.share,
         diameter_mm=2000 * ball.radius_m,
         rods=ball.rods,
         column=ball.column,
         rods_m=centre,
-        rods_covariance=rods_covariance,
+        rods_covariance=joint_covariance([passing, *meeting], members),
+        rods_noise=sum((p.gain @ p.noise @ p.gain.T for p in meeting), scatter),
+        rods_share=together([(p.share, p.gain) for p in (passing, *meeting)]),
         axes_rms_mm=1000 * rms,
         perpendicular_m=paper.centre,
         perpendicular_rule=paper.rule,
@@ -203,16 +215,3 @@ def _least_squares(
 def _axis_moves(along: float) -> Array:
     """(2, 5): how the axis moves across itself at a distance along it, per parameter of the cylinder."""
     return np.array([[1.0, 0.0, along, 0.0, 0.0], [0.0, 1.0, 0.0, along, 0.0]])
-
-
-def _together(parts: list[tuple[StationShare, Array]]) -> StationShare:
-    """Share (k, 3, 7) in the stations' errors of a sum of linear functions (3, p) of fits."""
-    total: dict[int, Array] = {}
-    for share, gain in parts:
-        for station, own in zip(share.stations.tolist(), share.gains, strict=True):
-            total[station] = total.get(station, np.zeros((3, 7))) + gain @ own
-    numbers = sorted(total)
-    return StationShare(
-        stations=np.array(numbers, dtype=np.int64),
-        gains=np.array([total[n] for n in numbers]).reshape(-1, 3, 7),
-    )

@@ -13,6 +13,7 @@ from scipy.spatial import KDTree
 
 from pipeline.core.vocabulary import Array
 from pipeline.steel.tile_records import SitePoints
+from pipeline.steel.vectors import dots
 
 NEIGHBOURS = 20
 """A normal rests on this many neighbours."""
@@ -60,7 +61,7 @@ def oriented(
         _, vectors = np.linalg.eigh(np.einsum("nki,nkj->nij", around, around))
         normal = vectors[:, :, 0]
         to_scanner = scanners[few.stations[mine]] - few.places[mine]
-        normals[mine] = normal * np.where(np.sum(normal * to_scanner, axis=1) < 0, -1.0, 1.0)[:, None]
+        normals[mine] = normal * np.where(dots(normal, to_scanner) < 0, -1.0, 1.0)[:, None]
     return Oriented(few.places, normals, tree)
 
 

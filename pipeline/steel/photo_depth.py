@@ -13,17 +13,12 @@ neighbours: S. B. Kang, R. Szeliski and J. Chai, "Handling occlusions in dense m
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeline.core.division import coefficient, pixels_to_rays
 from pipeline.core.vocabulary import Array, Lens, Poses
+from pipeline.steel.photo_correlation import Image, Peak, Template, sample
 from pipeline.steel.photo_records import DepthOptions
-
-Image = NDArray[np.float32]
-NOISE_GREY = 2.0
-"""Contrast of a window below which it says nothing, grey values."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,9 +79,9 @@ def sweep_photo(
     paths = [_Path(lens, poses, reference, other, rays) for other in neighbours]
     window = max(options.window_px // options.step_px | 1, 3)
     own = grid_pixels(lens, options.step_px).astype(np.float32) - np.float32(0.5)
-    template = _Template(_sample(pictures(reference), own[..., 0], own[..., 1]), window)
+    template = Template(sample(pictures(reference), own[..., 0], own[..., 1]), window)
     inverse = _candidates(paths, nearest, farthest, options)
-    peak = _Peak(rays.shape[:2])
+    peak = Peak(rays.shape[:2])
     images = [pictures(other) for other in neighbours]
     for number, w in enumerate(inverse):
         if number % 4 == 0:
@@ -101,7 +96,7 @@ def sweep_photo(
     start = np.where(score >= options.least_score, inverse[0] + found * spacing, np.nan).astype(np.float32)
     step = np.float32(spacing / options.candidate_px)
     start = _smooth(start, options.slope_px * float(step), window)
-    peak, offsets = _Peak(rays.shape[:2]), np.linspace(-1.5, 1.5, 13, dtype=np.float32) * step
+    peak, offsets = Peak(rays.shape[:2]), np.linspace(-1.5, 1.5, 13, dtype=np.float32) * step
     for number, offset in enumerate(offsets):
         if number % 4 == 0:
             tick(0.8 + 0.2 * number / len(offsets))
@@ -188,7 +183,7 @@ class _Path:
 
     def sample(self, image: Image, inverse: np.float32 | Image) -> Image:
         """The neighbour's values at the cells; NaN-like (-1e3) where it does not see them."""
-        return _sample(image, *self.pixels(inverse))
+        return sample(image, *self.pixels(inverse))
 
     def shift_px(self, first: float, last: float) -> float:
         """How far the cells move between two inverse depths, nearly the most."""
@@ -197,66 +192,3 @@ class _Path:
         if not inside.any():
             return 0.0
         return float(np.percentile(np.hypot(a[0] - b[0], a[1] - b[1])[inside], 60))
-
-
-OUTSIDE = -1e3
-
-
-def _sample(image: Image, columns: Image, rows: Image) -> Image:
-    return np.asarray(
-        cv2.remap(image, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=OUTSIDE)
-    )
-
-
-class _Template:
-    """The photo's own windows, ready to be correlated."""
-
-    def __init__(self, image: Image, window: int) -> None:
-        self._window = (window, window)
-        self._image = image
-        self._mean = self._box(image)
-        self._variance = np.maximum(self._box(image * image) - self._mean**2, 0)
-        self.textured = self._variance > NOISE_GREY**2
-
-    def correlate(self, other: Image) -> Image:
-        """Normalised cross-correlation of every window; -1 where part of it is outside the neighbour."""
-        mean = self._box(other)
-        variance = np.maximum(self._box(other * other) - mean**2, 0)
-        product = self._box(self._image * other) - self._mean * mean
-        score = product / np.sqrt(self._variance * variance + np.float32(NOISE_GREY**2))
-        # a value of OUTSIDE anywhere in the window makes a variance that no picture has
-        return np.where((variance > 128**2) | (mean < -200), np.float32(-1), score)
-
-    def _box(self, image: Image) -> Image:
-        return np.asarray(cv2.boxFilter(image, cv2.CV_32F, self._window, borderType=cv2.BORDER_REFLECT))
-
-
-class _Peak:
-    """The best score of every cell so far, with those beside it."""
-
-    def __init__(self, shape: tuple[int, ...]) -> None:
-        self._count = 0
-        self._best = np.full(shape, -2, dtype=np.float32)
-        self._index = np.zeros(shape, dtype=np.int32)
-        self._before = np.full(shape, np.nan, dtype=np.float32)
-        self._after = np.full(shape, np.nan, dtype=np.float32)
-        self._last = np.full(shape, np.nan, dtype=np.float32)
-
-    def add(self, score: Image) -> None:
-        """The next candidate."""
-        follows = self._index == self._count - 1
-        self._after[follows] = score[follows]
-        better = score > self._best
-        self._best[better], self._before[better] = score[better], self._last[better]
-        self._index[better], self._after[better] = self._count, np.nan
-        self._last, self._count = score, self._count + 1
-
-    def at(self) -> tuple[Image, Image]:
-        """Candidate number at the summit, with a fraction, and the score there; NaN at the ends."""
-        bend = self._before - 2 * self._best + self._after
-        with np.errstate(invalid="ignore", divide="ignore"):
-            shift = np.where(bend < 0, (self._before - self._after) / (2 * bend), np.nan)
-            good = np.abs(shift) <= 1
-            found = np.where(good, self._index + shift, np.nan)
-            height = np.where(good, self._best - bend * shift**2 / 2, np.nan)
-        return found.astype(np.float32), height.astype(np.float32)

@@ -44,8 +44,8 @@ class DepthOptions:
         least_score: correlation of a depth that is kept.
         agree_px: a depth must come back to within this, in at least ``least_agreeing`` neighbours.
         least_agreeing: see there.
-        matching_sigma_px: what the correlation's peak is worth at best; with the correlation and the angle
-            it gives each point's sigma.
+        matching_sigma_px: what the correlation's peak is worth at best; how far the depth maps differ and
+            edges nearby come on top.
         most_candidates: depths tried for a pixel.
     """
 
@@ -59,7 +59,7 @@ class DepthOptions:
     least_score: float = field(default=0.6, metadata={"minimum": 0.0, "maximum": 1.0})
     agree_px: float = field(default=1.0, metadata={"above": 0.0})
     least_agreeing: int = field(default=2, metadata={"minimum": 1})
-    matching_sigma_px: float = field(default=0.15, metadata={"above": 0.0})
+    matching_sigma_px: float = field(default=0.06, metadata={"above": 0.0})
     most_candidates: int = field(default=400, metadata={"minimum": 16})
 
 

@@ -7,7 +7,7 @@ makes it the same every time.  Leaves out priors: nothing is known of where the 
 
 Sources: paper, section 2.3 (SIFT, RANSAC with the fundamental matrix, a first pair without a dominating
 homography, one photo after the other, bundle adjustment); J. L. Schoenberger and J.-M. Frahm,
-"Structure-from-Motion Revisited", CVPR 2016; R. Arandjelovic and A. Zisserman, CVPR 2012.
+"Structure-from-Motion Revisited", CVPR 2016.
 """
 
 import shutil
@@ -15,25 +15,23 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import cv2
+import cv2  # noqa: F401 - before pycolmap: the other order crashes when pictures are written
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.core.errors import StageError
 from pipeline.core.events import Emit, Event
 from pipeline.core.files import natural_key
-from pipeline.core.vocabulary import Array, LambdaRadius, Lens, Poses
+from pipeline.core.vocabulary import LambdaRadius, Lens, Poses
+from pipeline.steel.photo_features import STAGE, Features, features_of, matches_of
 from pipeline.steel.photo_records import OrientedPhotos, SparseOptions
 
 if TYPE_CHECKING:
     import pycolmap
 
-STAGE = "photos"
 PICTURES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp")
 LEAST_PHOTOS = 3
 POLL_S = 0.3
-
-Features = tuple[Array, NDArray[np.float32]]
 
 
 def pictures_in(folder: Path) -> tuple[Path, ...]:
@@ -72,7 +70,7 @@ def orient(
     features, size = [], (0, 0)
     for number, file in enumerate(files):
         emit(Event(stage=STAGE, done=number, total=steps))
-        found, shape = _features(file, options)
+        found, shape = features_of(file, options)
         if number and shape != size:
             raise StageError(STAGE, f"{file} is not as large as {files[0].name}", "give photos of one camera")
         size = shape
@@ -80,43 +78,13 @@ def orient(
     matches = {}
     for number, (i, j) in enumerate(pairs):
         emit(Event(stage=STAGE, done=len(files) + number, total=steps))
-        matches[j, i] = _matches(features[j], features[i], options.ratio)
+        matches[j, i] = matches_of(features[j], features[i], options.ratio)
     shutil.rmtree(scratch, ignore_errors=True)
     scratch.mkdir(parents=True)
     try:
         return _mapped(files, size, focal_px, features, matches, scratch, options, emit, steps)
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
-
-
-def _features(file: Path, options: SparseOptions) -> tuple[Features, tuple[int, int]]:
-    picture = cv2.imread(str(file), cv2.IMREAD_GRAYSCALE)
-    if picture is None:
-        raise StageError(STAGE, f"{file} cannot be read as a picture", "remove it or take it anew")
-    # without the precise upscaling OpenCV's places are a quarter of a pixel off, both ways
-    sift = cv2.SIFT.create(options.features, contrastThreshold=0.02, enable_precise_upscale=True)
-    marks, raw = sift.detectAndCompute(picture, None)
-    if raw is None:
-        return (np.zeros((0, 2)), np.zeros((0, 128), dtype=np.float32)), picture.shape
-    # OpenCV's places count from the first pixel's centre, ours from its corner
-    places = np.array([mark.pt for mark in marks]) + 0.5
-    # several orientations at one place are one place
-    _, once = np.unique(np.round(places, 2), axis=0, return_index=True)
-    root = np.sqrt(raw / np.maximum(raw.sum(axis=1, keepdims=True), 1e-9)).astype(np.float32)
-    return (places[np.sort(once)], root[np.sort(once)]), picture.shape
-
-
-def _matches(first: Features, second: Features, ratio: float) -> NDArray[np.uint32]:
-    """(k, 2) numbers of features that are each other's best and clearly better than the second best."""
-    if min(len(first[0]), len(second[0])) < 2:
-        return np.zeros((0, 2), dtype=np.uint32)
-    alike = first[1] @ second[1].T
-    best = alike.argmax(axis=1)
-    mutual = np.flatnonzero(alike.argmax(axis=0)[best] == np.arange(len(best)))
-    top = alike[mutual, best[mutual]]
-    alike[mutual, best[mutual]] = -1.0
-    clear = 1 - top < ratio**2 * (1 - alike[mutual].max(axis=1))
-    return np.stack([mutual[clear], best[mutual[clear]]], axis=1).astype(np.uint32)
 
 
 def _mapped(

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from pipeline.core.vocabulary import Array
 from pipeline.steel.records import StationPose
 from pipeline.steel.tile_records import SitePoints
+from pipeline.steel.vectors import dots, lengths
 
 STEEPEST = 0.15
 """Rays that meet the figure at a smaller cosine, or miss it, are treated as meeting it at this one."""
@@ -40,7 +41,7 @@ class Rays:
         """The rays that measured the points."""
         origins = np.array([pose.translation for pose in stations])[points.stations]
         away = points.places - origins
-        ranges = np.linalg.norm(away, axis=1)
+        ranges = lengths(away)
         return Rays(origins, away / ranges[:, None], ranges, points.stations)
 
     @property
@@ -106,17 +107,17 @@ def meet_sphere(values: Array, rays: Rays, place: Array) -> Meeting:
 
 def _meet_round(away: Array, across: Array, radius: float) -> tuple[Array, Array, Array]:
     """Ranges, normals and cosines where rays ``away + s across`` (n, 3) first meet |.| = radius."""
-    a = np.maximum(np.sum(across**2, axis=1), 1e-12)
-    b = np.sum(across * away, axis=1)
-    c = np.sum(away**2, axis=1) - radius**2
+    a = np.maximum(dots(across, across), 1e-12)
+    b = dots(across, away)
+    c = dots(away, away) - radius**2
     root = np.sqrt(np.maximum(b * b - a * c, (STEEPEST * radius) ** 2 * a))
     ranges = (-b - root) / a
     met = away + ranges[:, None] * across
-    normals = met / np.maximum(np.linalg.norm(met, axis=1), 1e-12)[:, None]
-    return ranges, normals, np.maximum(-np.sum(normals * across, axis=1), STEEPEST * np.sqrt(a))
+    normals = met / np.maximum(lengths(met), 1e-12)[:, None]
+    return ranges, normals, np.maximum(-dots(normals, across), STEEPEST * np.sqrt(a))
 
 
 def passes(away: Array, across: Array, radius: float) -> Array:
     """How far rays pass a figure's centre or axis, in radii: (n,), over 1 where they miss it."""
-    unit = across / np.maximum(np.linalg.norm(across, axis=1), 1e-12)[:, None]
-    return np.asarray(np.linalg.norm(np.cross(unit, away), axis=1) / radius)
+    unit = across / np.maximum(lengths(across), 1e-12)[:, None]
+    return np.asarray(lengths(np.cross(unit, away)) / radius)

@@ -39,6 +39,7 @@ class Feature:
         radius_m: of the sphere or cylinder; 0 for a plane.
         points: how many points of the cloud it was fitted to; 0 for a target named by hand.
         rms_m: of their distances from the figure.
+        reach_m: how far along the axis, or over the plane, points lie about the place; 0 for a point.
     """
 
     kind: FeatureKind
@@ -50,6 +51,7 @@ class Feature:
     radius_m: float
     points: int
     rms_m: float
+    reach_m: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,3 +91,32 @@ def chosen_poses(poses: Sequence[StationPose], names: Sequence[str]) -> tuple[St
         replace(poses[n], among=poses[n].among[index] if len(poses[n].among) else poses[n].among)
         for n in index
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plumb:
+    """Which way is up, from the compensators of all levelled stations together.
+
+    The site's z is the base station's, or the control targets'; one compensator is off by seconds, and over a
+    column's height a second is 5 micrometres a metre.
+
+    Attributes:
+        direction: (3,) unit vector upwards, site frame.
+        across: (2, 3) unit vectors u, v, level.
+        covariance: (2, 2) of the slopes of the direction towards u and v.
+        stations: names of the stations.
+        with_stations: (n, 6, 2) covariance of each station's errors, as in StationPose, with the slopes.
+    """
+
+    direction: Array
+    across: Array
+    covariance: Array
+    stations: tuple[str, ...]
+    with_stations: Array
+
+    def chosen(self, names: Sequence[str]) -> Array:
+        """(k, 6, 2) the covariances with some stations, in the order of ``names``; zero for unknown ones."""
+        places = {name: number for number, name in enumerate(self.stations)}
+        nothing = np.zeros((6, 2))
+        found = [self.with_stations[places[n]] if n in places else nothing for n in names]
+        return np.array(found).reshape(-1, 6, 2)

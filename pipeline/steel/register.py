@@ -16,7 +16,7 @@ from pipeline.steel.adjustment import Adjusted, adjust
 from pipeline.steel.approximate import Start, place_stations
 from pipeline.steel.gross import name_gross_errors, offset_in_station, regrouped
 from pipeline.steel.network import Network, build_network
-from pipeline.steel.records import Feature, FeatureKind, StationFeatures, StationPose
+from pipeline.steel.records import Feature, FeatureKind, Plumb, StationFeatures, StationPose
 from pipeline.steel.registration_options import RegisterOptions
 from pipeline.steel.registration_records import Registration, Residual, VarianceComponent
 from pipeline.steel.state import Component, Group, groups_of
@@ -96,6 +96,7 @@ def _registration(
         rounds=adjusted.rounds,
         iterations=adjusted.iterations,
         largest_step_mm=adjusted.largest_step_m * 1000,
+        plumb=_plumb(network, adjusted),
     )
 
 
@@ -112,6 +113,21 @@ def poses_of(network: Network, adjusted: Adjusted) -> tuple[StationPose, ...]:
             among=blocks[s].transpose(1, 0, 2).copy(),
         )
         for s, name in enumerate(network.stations)
+    )
+
+
+def _plumb(network: Network, adjusted: Adjusted) -> Plumb | None:
+    """The adjusted plumb direction, the feature behind the last; None where nothing is levelled."""
+    rows = [g for g, group in enumerate(adjusted.groups) if group.component is Component.PLUMB]
+    if not rows:
+        return None
+    frame, found = adjusted.state.plumb, adjusted.covariances
+    return Plumb(
+        direction=frame[2],
+        across=frame[:2],
+        covariance=found.features[-1, :2, :2],
+        stations=network.stations,
+        with_stations=found.between[adjusted.places[rows[0]]][:, :, :2],
     )
 
 

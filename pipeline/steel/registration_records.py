@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from pipeline.core.vocabulary import Array
-from pipeline.steel.records import Feature, StationPose
+from pipeline.steel.records import Feature, Plumb, StationPose
 
 Vector = tuple[float, float, float]
 
@@ -103,6 +103,7 @@ class Registration:
         ring: for each station how many set-ups it is away from the base.
         rounds, iterations: of re-weighting, and adjustment steps in all.
         largest_step_mm: of the last step.
+        plumb: the plumb line that levelled stations agree on; None: they are not levelled.
     """
 
     poses: tuple[StationPose, ...]
@@ -117,6 +118,7 @@ class Registration:
     rounds: int
     iterations: int
     largest_step_mm: float
+    plumb: Plumb | None = None
 
     def pose(self, station: str) -> StationPose:
         """The pose of a station by its name."""

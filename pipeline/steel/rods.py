@@ -13,6 +13,7 @@ from pipeline.steel.fitting import Fitted, fit_rod
 from pipeline.steel.member_records import MemberOptions, Rod
 from pipeline.steel.segments import Pieces
 from pipeline.steel.tile_reader import TileReader
+from pipeline.steel.vectors import lengths
 
 CLEAR_M = 0.04
 """Rods are measured from this far off the ball's surface: cones, bolts and welds lie between."""
@@ -78,7 +79,7 @@ def measure_rod(
     points = reader.capsule(start - 0.3 * axis, end + 0.3 * axis, radius + AROUND_M)
     for centre, ball_radius in zip(*balls, strict=True):
         if ball_radius > 1.1 * radius:
-            points = points.where(np.linalg.norm(points.places - centre, axis=1) > ball_radius + CLEAR_M)
+            points = points.where(lengths(points.places - centre) > ball_radius + CLEAR_M)
     low, high = _extent(points.places, start, axis, radius, float(np.linalg.norm(end - start)))
     along = (points.places - start) @ axis
     points = points.where((along > low) & (along < high))
@@ -98,7 +99,7 @@ def measure_rod(
 def _extent(places: Array, start: Array, axis: Array, radius: float, length: float) -> tuple[float, float]:
     """Where along the axis the surface begins and ends: it is followed from the rough piece outward."""
     t = (places - start) @ axis
-    away = np.linalg.norm(places - start - t[:, None] * axis, axis=1)
+    away = lengths(places - start - t[:, None] * axis)
     t = t[np.abs(away - radius) < 0.015]
     count, edges = np.histogram(t, bins=np.arange(-0.3, length + 0.3 + BIN_M, BIN_M))
     inside = (edges[:-1] >= -1e-9) & (edges[1:] <= length + 1e-9)

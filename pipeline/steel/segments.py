@@ -18,6 +18,7 @@ from scipy.spatial import KDTree
 
 from pipeline.core.vocabulary import Array
 from pipeline.steel.oriented import Oriented, one_in_each_cube
+from pipeline.steel.vectors import dots, lengths
 
 AROUND = 96
 """A seed looks at this many of its neighbours."""
@@ -84,7 +85,7 @@ def _local_cylinders(
     place = points.places[index] - points.places[seeds][:, None]
     normal = points.normals[index]
     # the seed's own surface first: points near it, with normals near its own
-    weight = present.astype(float) * np.exp(-0.5 * np.sum(place**2, axis=2) / (0.6 * reach_m) ** 2)
+    weight = present.astype(float) * np.exp(-0.5 * dots(place, place) / (0.6 * reach_m) ** 2)
     weight = weight * (np.squeeze(normal @ points.normals[seeds][:, :, None], axis=2) > -0.2)
     curved = (present.sum(axis=1) >= LEAST_AROUND) & (_spectrum(normal, weight)[0][:, 1] > 0.5 * LEAST_ARC)
     present, seeds = present[curved], seeds[curved]
@@ -97,13 +98,13 @@ def _local_cylinders(
         q, m = place @ flat, normal @ flat
         centre, radius = _circles(q, m, weight)
         away = q - centre[:, None]
-        length = np.sqrt(np.sum(away**2, axis=2))
+        length = lengths(away)
         distance = length - radius[:, None]
         tilt = np.squeeze(normal @ axis[:, :, None], axis=2) / lean
         weight = (
             np.clip(1 - (distance / (width * scale)) ** 2, 0, None) ** 2 * np.clip(1 - tilt**2, 0, None) ** 2
         )
-        weight *= present * (np.sum(m * away, axis=2) > 0)
+        weight *= present * (dots(m, away) > 0)
         weight[weight.sum(axis=1) < 1e-6] = 1e-12
     total = weight.sum(axis=1)
     share = np.sum((weight > 0.1) & present, axis=1) / np.maximum(present.sum(axis=1), 1)
@@ -155,9 +156,9 @@ def _agreeing(centres: Array, axes: Array, radii: Array, link_m: float) -> Piece
     pairs = KDTree(centres).query_pairs(link_m, output_type="ndarray")
     i, j = pairs.T
     step = centres[j] - centres[i]
-    across_i = np.linalg.norm(step - np.sum(step * axes[i], axis=1)[:, None] * axes[i], axis=1)
-    across_j = np.linalg.norm(step - np.sum(step * axes[j], axis=1)[:, None] * axes[j], axis=1)
-    cosine = np.abs(np.sum(axes[i] * axes[j], axis=1))
+    across_i = lengths(step - dots(step, axes[i])[:, None] * axes[i])
+    across_j = lengths(step - dots(step, axes[j])[:, None] * axes[j])
+    cosine = np.abs(dots(axes[i], axes[j]))
     ratio = np.maximum(radii[i], radii[j]) / np.minimum(radii[i], radii[j])
     small = np.minimum(radii[i], radii[j])
     same = (cosine > np.cos(np.radians(14))) & (np.maximum(across_i, across_j) < 0.4 * small + 0.005)

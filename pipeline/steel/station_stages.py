@@ -16,15 +16,15 @@ from pipeline.core.runfolder import Product, RunFolder
 from pipeline.core.store import stamp_file
 from pipeline.steel.chained import compare_chained
 from pipeline.steel.clouds import StationCloud, import_cloud, station_points
+from pipeline.steel.figure_register import register_with_figures
 from pipeline.steel.icp import compare_icp
 from pipeline.steel.naming import name_features
 from pipeline.steel.options import SteelOptions
 from pipeline.steel.records import StationFeatures
-from pipeline.steel.register import register
 from pipeline.steel.registration_records import ChainedRegistration, IcpRegistration, Registration
 from pipeline.steel.survey_records import ScanStation, SteelSurvey
 from pipeline.steel.target_table import read_target_table
-from pipeline.steel.targets import find_targets
+from pipeline.steel.targets import find_figures, find_targets
 
 type _PerStation = Callable[[ScanStation, Emit], Product[Any]]
 
@@ -93,13 +93,14 @@ class StationStages:
         return next((p for p in self.made["clouds"] if p.value.station == station.name), None)
 
     def _targets(self) -> list[Product[Any]]:
-        """Targets named by hand where a table is given, else those found in the cloud."""
-        survey = self._survey
+        """Targets named by hand where a table is given, else found in the cloud, with planes and axes."""
+        survey, options = self._survey, self._options.targets
+        figures = options.planes or options.axes
 
         def found(station: ScanStation, emit: Emit) -> Product[StationFeatures]:
             table, cloud = station.targets, self._cloud_of(station)
 
-            def make() -> StationFeatures:
+            def targets(emit: Emit) -> StationFeatures:
                 if table is not None:
                     return read_target_table(table, station.name, survey.scanner)
                 if cloud is None:
@@ -108,11 +109,17 @@ class StationStages:
                         f"the station {station.name} has neither cloud nor targets",
                         "give station.cloud or station.targets in the survey",
                     )
-                points = station_points(cloud.value.path)
-                return find_targets(points, station.name, survey, self._options.targets, emit)
+                return find_targets(station_points(cloud.value.path), station.name, survey, options, emit)
+
+            def make() -> StationFeatures:
+                if cloud is None or not figures:
+                    return targets(emit)
+                points = targets(part(emit, 0.0, 0.5))
+                more = find_figures(cloud.value, survey, options, self._folder.path, part(emit, 0.5, 1.0))
+                return replace(points, features=(*points.features, *more))
 
             source = None if table is None else stamp_file(table)
-            needs = (source, cloud, survey.scanner, survey.targets, survey.structure, self._options.targets)
+            needs = (source, cloud, survey.scanner, survey.targets, survey.structure, options)
             return self._folder.product("targets", StationFeatures, make, *needs, block=station.name)
 
         return self._station_by_station("targets", found, survey.stations)
@@ -124,8 +131,10 @@ class StationStages:
             found = [p.value for p in self.made["targets"]]
             told = told_as("register", part(self._emit, 0.0, 0.3))
             named = name_features(found, survey.base.name, survey.scanner.levelled, options.targets, told)
-            registration = register(survey, named, options.register, part(self._emit, 0.3, 1.0))
-            return Registered(features=tuple(named), registration=registration)
+            features, registration = register_with_figures(
+                survey, named, options.register, part(self._emit, 0.3, 1.0)
+            )
+            return Registered(features=tuple(features), registration=registration)
 
         needs = (*self.made["targets"], survey.scanner, survey.control, survey.base.name)
         return [self._folder.product("register", Registered, make, *needs, options.targets, options.register)]

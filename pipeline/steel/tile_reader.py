@@ -2,16 +2,18 @@
 
 from collections import OrderedDict
 from itertools import pairwise, product
+from threading import Lock
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.core.vocabulary import Array
 from pipeline.steel.tile_records import RECORD, SitePoints, Tiles
+from pipeline.steel.vectors import dots
 
 
 class TileReader:
-    """Reads points out of tiles and keeps the ones read last.
+    """Reads points out of tiles and keeps the ones read last; several threads may read from one.
 
     Args:
         tiles: the index.
@@ -23,14 +25,19 @@ class TileReader:
         self._most_points = most_points
         self._present = {tuple(cell) for cell in tiles.cells.tolist()}
         self._held: OrderedDict[tuple[int, ...], SitePoints] = OrderedDict()
+        self._one_at_a_time = Lock()
 
     def tile(self, cell: tuple[int, ...]) -> SitePoints:
         """All points of one tile; none where there is no such tile."""
         if cell not in self._present:
             return SitePoints.joined([])
-        if cell in self._held:
-            self._held.move_to_end(cell)
-            return self._held[cell]
+        with self._one_at_a_time:
+            if cell in self._held:
+                self._held.move_to_end(cell)
+                return self._held[cell]
+            return self._read(cell)
+
+    def _read(self, cell: tuple[int, ...]) -> SitePoints:
         records = np.fromfile(self.tiles.path(cell), dtype=RECORD)
         places = records["place"].astype(float) + np.array(cell) * self.tiles.tile_m
         points = SitePoints(places=places, stations=records["station"].astype(np.int64))
@@ -59,7 +66,7 @@ class TileReader:
             points = self.box(np.minimum(a, b) - radius, np.maximum(a, b) + radius)
             along = (points.places - start) @ axis
             apart = points.places - start - np.clip(along, 0, length)[:, None] * axis
-            mine = np.sum(apart**2, axis=1) < radius**2
+            mine = dots(apart, apart) < radius**2
             # each point belongs to one box: the ends of the whole piece are open
             if number > 0:
                 mine &= along >= steps[number] * length

@@ -53,10 +53,8 @@ def build_tiles(
                         stage=STAGE, done=int(1000 * (number + share)), total=1000 * len(stations), block=name
                     )
                 )
-                chunk = np.asarray(cloud[first : first + options.chunk_points], dtype=float)
-                kept = chunk[_thinned(chunk, options, rng)]
-                places = kept @ pose.rotation.T + pose.translation
-                _drop(places, number, options.tile_m, folder, sizes)
+                part = cloud[first : first + options.chunk_points]
+                _drop(_kept(part, pose, options, rng), number, options.tile_m, folder, sizes)
         _limit(folder, sizes, options)
     if not sizes:
         raise StageError(
@@ -74,6 +72,14 @@ def build_tiles(
         counts=np.array([sizes[cell] for cell in cells], dtype=np.int64),
         read_points=read,
     )
+
+
+def _kept(
+    part: NDArray[np.float32], pose: StationPose, options: TileOptions, rng: np.random.Generator
+) -> Array:
+    """The points of a part of a cloud that are kept, in the site frame."""
+    points = np.asarray(part, dtype=float)
+    return np.asarray(points[_thinned(points, options, rng)] @ pose.rotation.T + pose.translation)
 
 
 def _thinned(points: Array, options: TileOptions, rng: np.random.Generator) -> NDArray[np.int64]:
@@ -102,11 +108,17 @@ def _drop(
     places: Array, station: int, tile_m: float, folder: Path, sizes: dict[tuple[int, ...], int]
 ) -> None:
     """Append points to the files of their tiles."""
-    cells = np.floor(places / tile_m).astype(np.int64)
-    order = np.lexsort(cells.T[::-1])
-    cells, places = cells[order], places[order]
-    changes = np.flatnonzero((np.diff(cells, axis=0) != 0).any(axis=1)) + 1
-    bounds = [0, *changes.tolist(), len(cells)]
+    if not len(places):
+        return
+    cells = np.floor(places / tile_m).astype(np.int32)
+    low = cells.min(axis=0)
+    x, y, z = (cells - low).T
+    _, wide, high = (cells.max(axis=0) - low + 1).tolist()
+    # one number a tile: sorting by it takes a third of the time of sorting by three
+    number = (x.astype(np.int64) * wide + y) * high + z
+    order = np.argsort(number, kind="stable")
+    number, cells, places = number[order], cells[order], places[order]
+    bounds = [0, *(np.flatnonzero(np.diff(number)) + 1).tolist(), len(cells)]
     for first, last in pairwise(bounds):
         if first == last:
             continue

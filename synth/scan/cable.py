@@ -156,6 +156,7 @@ def _paint(shape: Spec) -> Array:
     """Mean albedo of cells of about a millimetre."""
     albedo = surface_texture(shape.cable, shape.robot, shape.seed)[..., :3].mean(axis=-1)
     step = max(1, round(TEXEL_MM / shape.cable.material.texel_mm))
-    rows, columns = (size // step * step for size in albedo.shape)
-    blocks = albedo[:rows, :columns].reshape(rows // step, step, columns // step, step)
-    return blocks.mean(axis=(1, 3)).astype(np.float64)
+    # whole texels, but all of them: a remainder left out would stretch the paint around the cable
+    edges = [np.rint(np.linspace(0, size, max(size // step, 1) + 1)).astype(int) for size in albedo.shape]
+    sums = np.add.reduceat(np.add.reduceat(albedo, edges[0][:-1], axis=0), edges[1][:-1], axis=1)
+    return np.asarray(sums / np.outer(np.diff(edges[0]), np.diff(edges[1])), dtype=np.float64)

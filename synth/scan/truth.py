@@ -20,6 +20,8 @@ from synth.scan.spec import ScanSpec
 from synth.spec_reader import effective
 from synth.surface import mean_diameter_mm
 
+UP = np.array([0.0, 0.0, 1.0])
+
 
 class Site:
     """The site frame: turns places and directions of the hall into it."""
@@ -57,6 +59,7 @@ def truth_of(
         "kind": "steel",
         "spec": dataclasses.asdict(spec),
         "north_deg": site.north_deg,
+        "plumb": site.vector(UP).tolist(),
         "stations": [
             {
                 "name": station.name,
@@ -140,10 +143,11 @@ def _node(node: Node, frame: Frame, site: Site) -> dict[str, Any]:
 
 
 def _column(column: Column, spec: ScanSpec, site: Site) -> dict[str, Any]:
-    """As judged between its bottom and top; the plumb line is the site's z."""
+    """As judged between its bottom and top, against the true plumb line: the site's z is the base's."""
     bottom, top = site.point(column.bottom), site.point(column.top)
     north = math.radians(site.north_deg)
-    across = top - bottom
+    up = site.vector(UP)
+    across = top - bottom - (top - bottom)[2] / up[2] * up
     tilt_mm = 1000.0 * np.array(
         [
             across[0] * math.cos(north) - across[1] * math.sin(north),
@@ -156,7 +160,7 @@ def _column(column: Column, spec: ScanSpec, site: Site) -> dict[str, Any]:
         "top_m": top.tolist(),
         "radius_mm": 1000.0 * column.radius_m,
         "tilt_mm": tilt_mm.tolist(),
-        "height_m": float(across[2]),
+        "height_m": float((top - bottom)[2]),
         "over_limit": bool(np.linalg.norm(tilt_mm) > spec.survey.column_limit_mm),
     }
 

@@ -37,7 +37,7 @@ def hall(sag_mm=20.0, rng=None, slope=0.0, supports=((0, 0), (4, 0), (0, 4), (4,
 def measured(one, span=SPAN, **more):
     nodes = measure_nodes(one, NodeOptions())
     return measure_deflection(
-        nodes, measure_columns(one, [], ColumnOptions()), span, DeflectionOptions(**more)
+        nodes, measure_columns(one, [], ColumnOptions()), one, span, DeflectionOptions(**more)
     )
 
 

@@ -7,6 +7,7 @@ from plyfile import PlyData
 from pipeline.core import store
 from pipeline.core.errors import Cancelled, StageError
 from pipeline.core.events import silent
+from pipeline.core.rotations import vector_from_rotation
 from pipeline.steel.fuse import fuse
 from pipeline.steel.fuse_records import FuseOptions, Fusion, GivenPair, Start
 from pipeline.steel.merged_cloud import write_merged
@@ -22,6 +23,10 @@ from tests.steel.fused_scene import (
 )
 
 QUICK = FuseOptions(photo_points=5000)
+SCALE_ASKED = 1e-3
+"""Of the issue: scale within 0.1 %."""
+PHOTO_NOISE = 0.003
+"""Of one photo point, metres: thousands together are worth more than one, however much they bend."""
 
 
 @pytest.fixture(scope="module")
@@ -44,11 +49,21 @@ def errors(fusion, places):
     return fusion.placement.apply(into_photo(places)) - places
 
 
+def assert_within_sigmas(fusion):
+    """All seven parameters within three of their sigmas, which are small enough to be worth having."""
+    sigmas = np.sqrt(np.diag(fusion.covariance))
+    assert sigmas[6] < SCALE_ASKED
+    assert abs(np.log(fusion.placement.scale / SCALE)) < 3 * sigmas[6]
+    turn = vector_from_rotation(fusion.placement.rotation @ TURN.T)
+    assert (np.abs(turn) < 3 * sigmas[:3]).all()
+    at_balls = fusion.sigmas_at_mm(BALLS[:, :3])
+    assert (at_balls < 1000 * PHOTO_NOISE).all()
+    assert (1000 * np.linalg.norm(errors(fusion, BALLS[:, :3]), axis=1) < 3 * at_balls).all()
+
+
 def test_scale_place_and_turn_are_found_without_names(fusion):
     assert fusion.start is Start.FEATURES
-    assert fusion.placement.scale == pytest.approx(SCALE, rel=5e-4)
-    np.testing.assert_allclose(fusion.placement.rotation, TURN, atol=5e-4)
-    np.testing.assert_allclose(errors(fusion, BALLS[:, :3]), 0, atol=0.002)
+    assert_within_sigmas(fusion)
     assert len(fusion.pairs) >= 5
     assert np.abs([p.residual_mm for p in fusion.pairs]).max() < 25
     assert all(d.determined for d in fusion.directions)
@@ -66,27 +81,27 @@ def test_given_pairs_come_before_all_search(photo, scan):
     )
     fusion = fuse(photo, scan, (), QUICK, silent, pairs=pairs)
     assert fusion.start is Start.PAIRS
-    np.testing.assert_allclose(errors(fusion, BALLS[:, :3]), 0, atol=0.0025)
+    assert_within_sigmas(fusion)
     assert [p.name for p in fusion.pairs] == ["P0", "P1", "P2"]
-    np.testing.assert_allclose(fusion.pairs[0].residual_mm, 10, atol=2.5)
+    # the pairs were pointed out 10 mm beside; the rest is where the fusion put the place
+    np.testing.assert_allclose(
+        fusion.pairs[0].residual_mm, 10, atol=3 * fusion.sigmas_at_mm(BALLS[:1, :3])[0]
+    )
 
 
 def test_sigmas_hold_where_the_photo_model_is_bent():
     """Bends of 3 mm over metres: sigma from the number of points would be twenty times too small."""
     places = np.array([[0, 0, 0], [3, 0, 0], [0, 3, 0], [3, 3, 0], [1.2, 1.2, 3.5]], dtype=float)
-    ratios, scales, sigmas, scan = [], [], [], scan_cloud(1, count=90_000)
+    ratios, scales, scan = [], [], scan_cloud(1, count=90_000)
     for seed in range(6):
         bent = photo_cloud(seed + 10, count=20_000, bent=0.003)
         fusion = fuse(bent, scan, features(seed), FuseOptions(photo_points=3000, iterations=15), silent)
         off = 1000 * np.sqrt(np.sum(errors(fusion, places) ** 2, axis=1))
         ratios.extend(off / fusion.sigmas_at_mm(places))
-        scales.append(fusion.placement.scale / SCALE - 1)
-        sigmas.append(np.sqrt(fusion.covariance[6, 6]))
-    assert np.mean(np.array(ratios) < 2) >= 0.9
-    assert np.sqrt(np.mean(np.square(ratios))) > 1 / 3
-    # 3 mm on 2.4 m are 1.25e-3
-    assert np.sqrt(np.mean(np.square(scales))) < 1.25e-3
-    assert np.median(sigmas) < 3 * np.sqrt(np.mean(np.square(scales)))
+        scales.append((fusion.placement.scale / SCALE - 1) / np.sqrt(fusion.covariance[6, 6]))
+    for normalised in (np.array(ratios), np.abs(scales)):
+        assert np.mean(normalised < 2) >= 0.9 - 1 / len(normalised)
+        assert np.sqrt(np.mean(normalised**2)) > 1 / 3
 
 
 def test_the_merged_cloud_says_where_each_point_came_from(fusion, photo, scan, tmp_path):

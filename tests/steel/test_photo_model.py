@@ -10,8 +10,9 @@ from pipeline.core.errors import Cancelled, StageError
 from pipeline.core.events import silent
 from pipeline.core.fits import fit_similarity
 from pipeline.steel.photo_dense import densify
+from pipeline.steel.photo_features import features_of
 from pipeline.steel.photo_records import DepthOptions, SparseOptions
-from pipeline.steel.photo_sparse import _features, orient, pictures_in
+from pipeline.steel.photo_sparse import orient, pictures_in
 from pipeline.steel.photo_targets import find_targets
 from tests.steel.photo_scene import Scene, flight
 
@@ -60,7 +61,7 @@ def test_marks_lie_where_spots_are_counted_from_the_corner(tmp_path):
         picture = cv2.resize(light, (150, 150), interpolation=cv2.INTER_AREA)
         file = tmp_path / f"{number}.png"
         cv2.imwrite(str(file), np.rint(picture).astype(np.uint8))
-        (places, _), _ = _features(file, SparseOptions(features=200))
+        (places, _), _ = features_of(file, SparseOptions(features=200))
         away.append(places[np.argmin(np.linalg.norm(places - spot, axis=1))] - spot)
     assert np.abs(np.mean(away, axis=0)).max() < 0.1
 
@@ -113,6 +114,8 @@ def test_cloud_lies_on_the_surface_with_honest_sigmas(photos):
     noise, sigma = 1.4826 * np.median(np.abs(off)), fit.scale * np.median(cloud.sigmas[floor])
     assert 1e-4 < noise < 5e-3
     assert noise / 3 < sigma < 3 * noise
+    # beside the box and the balls as well, where windows lie on two surfaces
+    assert np.mean(np.abs(off) < 2 * fit.scale * cloud.sigmas[floor]) >= 0.9
     assert np.median(points[top, 2] - np.column_stack([points[top, :2], np.ones(top.sum())]) @ plane) == (
         pytest.approx(0.5, abs=0.01)
     )

@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.evaluate.documents import Document
 from pipeline.evaluate.steel.figures import most, pairs_by_place, rms, sigma_check
-from pipeline.evaluate.steel.records import ColumnError, ColumnErrors
+from pipeline.evaluate.steel.structure_errors import ColumnError, ColumnErrors
 
 REACH_M = 0.5
 

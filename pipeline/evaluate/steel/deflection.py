@@ -10,7 +10,7 @@ import numpy as np
 from pipeline.core.vocabulary import Array
 from pipeline.evaluate.documents import Document
 from pipeline.evaluate.steel.figures import most, pairs_by_place, rms, sigma_check
-from pipeline.evaluate.steel.records import DeflectionErrors
+from pipeline.evaluate.steel.structure_errors import DeflectionErrors
 
 REACH_M = 0.1
 _ONE_LINE = 0.02

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from pipeline.core.vocabulary import Array
-from pipeline.evaluate.steel.records import SigmaCheck
+from pipeline.evaluate.steel.registration_errors import SigmaCheck
 
 ARCSEC_PER_RADIAN = 180 * 3600 / math.pi
 

@@ -6,7 +6,7 @@ two names is.
 """
 
 from pipeline.evaluate.documents import Document
-from pipeline.evaluate.steel.records import GrossVerdict
+from pipeline.evaluate.steel.registration_errors import GrossVerdict
 
 
 def compare_gross(report: Document, truth: Document) -> GrossVerdict:

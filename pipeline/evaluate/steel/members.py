@@ -7,7 +7,7 @@ import numpy as np
 from pipeline.core.vocabulary import Array
 from pipeline.evaluate.documents import Document
 from pipeline.evaluate.steel.figures import rms
-from pipeline.evaluate.steel.records import MemberErrors
+from pipeline.evaluate.steel.structure_errors import MemberErrors
 
 TURN = 0.035
 """Sine of the angle that a find's axis may make with the true one: 2 degrees."""

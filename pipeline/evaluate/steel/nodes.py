@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.evaluate.documents import Document
 from pipeline.evaluate.steel.figures import most, pairs_by_place, rms, sigma_check
-from pipeline.evaluate.steel.records import NodeError, NodeErrors
+from pipeline.evaluate.steel.structure_errors import NodeError, NodeErrors
 
 REACH_M = 0.1
 LEAST_MM = 1e-3

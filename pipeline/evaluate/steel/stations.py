@@ -13,7 +13,7 @@ from pipeline.evaluate.steel.figures import (
     sigma_check,
     triple,
 )
-from pipeline.evaluate.steel.records import StationError, StationErrors
+from pipeline.evaluate.steel.registration_errors import StationError, StationErrors
 from pipeline.evaluate.steel.targets import matched_places
 
 LEAST_FIT = 3

@@ -11,7 +11,7 @@ import numpy as np
 from pipeline.core.vocabulary import Array
 from pipeline.evaluate.documents import Document
 from pipeline.evaluate.steel.figures import most, pairs_by_place, rms, sigma_check
-from pipeline.evaluate.steel.records import TargetErrors
+from pipeline.evaluate.steel.registration_errors import TargetErrors
 
 SAME_M = 0.5
 """A target by this name is the true one of this name if it is no farther from it."""

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from pipeline.core.vocabulary import Array
-from pipeline.evaluate.steel.records import StationError
+from pipeline.evaluate.steel.registration_errors import StationError
 from pipeline.report.labels import Language, label
 from pipeline.report.steel.plan import WIDTH_IN, text
 from pipeline.report.steel.records import ComparisonRow

@@ -11,15 +11,8 @@ from numpy.typing import ArrayLike
 
 from pipeline.core.rotations import angle_between_deg
 from pipeline.report.steel.members import balls_of, deflection_of, nodes_of, place, rods_of
-from pipeline.report.steel.records import (
-    ColumnRow,
-    ComparisonRow,
-    FusionSummary,
-    Place,
-    StationRow,
-    SteelReport,
-    TargetRow,
-)
+from pipeline.report.steel.records import ComparisonRow, FusionSummary, StationRow, SteelReport, TargetRow
+from pipeline.report.steel.structure_rows import ColumnRow, Place
 from pipeline.steel.columns import Column
 from pipeline.steel.fuse_records import Fusion
 from pipeline.steel.photo_records import OrientedPhotos

@@ -2,7 +2,7 @@
 
 import colorsys
 
-from pipeline.report.steel.records import ColumnRow, NodeRow
+from pipeline.report.steel.structure_rows import ColumnRow, NodeRow
 
 STEEL = "#9aa7b2"
 GOOD = "#009e73"

@@ -7,7 +7,8 @@ null).  The keys are described in docs/outputs.md; they are only ever added to.
 from typing import Any
 
 from pipeline.report.steel.directions import wind
-from pipeline.report.steel.records import ColumnRow, ComparisonRow, FusionSummary, SteelReport
+from pipeline.report.steel.records import ComparisonRow, FusionSummary, SteelReport
+from pipeline.report.steel.structure_rows import ColumnRow
 
 FORMAT = 1
 

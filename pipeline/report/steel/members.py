@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pipeline.report.steel.records import (
+from pipeline.report.steel.structure_rows import (
     BallRow,
     DeflectionRow,
     DeflectionSummary,

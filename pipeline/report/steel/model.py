@@ -11,9 +11,10 @@ import trimesh
 
 from pipeline.core.vocabulary import Array
 from pipeline.report.steel import colours
-from pipeline.report.steel.records import ColumnRow, Place, SteelReport
+from pipeline.report.steel.records import SteelReport
 from pipeline.report.steel.scaling import largest, round_factor
 from pipeline.report.steel.shapes import Shape, arrow, ball, tube
+from pipeline.report.steel.structure_rows import ColumnRow, Place
 
 ECCENTRICITY_ARROW_M, LEAN_ARROW_M = 0.6, 2.0
 """About how long the longest arrow of each kind is drawn."""

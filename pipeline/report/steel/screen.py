@@ -4,8 +4,9 @@ import math
 
 from pipeline.report.steel.directions import wind
 from pipeline.report.steel.gross import GrossGroup, grouped
-from pipeline.report.steel.records import ColumnRow, SteelReport
+from pipeline.report.steel.records import SteelReport
 from pipeline.report.steel.residuals import point_residual_mm
+from pipeline.report.steel.structure_rows import ColumnRow
 from pipeline.steel.registration_records import GrossKind
 
 _ROWS = 25
@@ -14,8 +15,12 @@ _ROWS = 25
 def summary(report: SteelReport) -> str:
     """Registration, gross errors, columns, nodes, deflection, warnings."""
     worst = max(report.stations, key=lambda row: row.sigma_mm)
+    counted = {kind: sum(row.kind == kind for row in report.targets) for kind in ("point", "line", "plane")}
+    figures = f", {counted['line']} axes and {counted['plane']} planes"
+    if not counted["line"] + counted["plane"]:
+        figures = ""
     lines = [
-        f"{report.name}: {len(report.stations)} stations and {len(report.targets)} targets adjusted "
+        f"{report.name}: {len(report.stations)} stations and {counted['point']} targets{figures} adjusted "
         f"together, residual {_mm(point_residual_mm(report), 2)} (3D, rms), largest sigma "
         f"{_mm(worst.sigma_mm, 2)} ({worst.name})",
         *_gross(report),

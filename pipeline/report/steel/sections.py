@@ -18,16 +18,20 @@ from pipeline.steel.registration_records import GrossKind
 
 def registration(writer: Writer, report: SteelReport) -> str:
     """Plan, gross errors, stations, components, residuals."""
+    counted = {kind: sum(row.kind == kind for row in report.targets) for kind in ("point", "line", "plane")}
     html = writer.say(
         "steel_registration_lead",
         "p",
         'class="lead"',
         stations=str(len(report.stations)),
-        targets=str(len(report.targets)),
+        targets=str(counted["point"]),
         rounds=str(report.rounds),
         observations=thousands(len(report.residuals)),
         rms=number(point_residual_mm(report), 2),
     )
+    if counted["line"] + counted["plane"]:
+        axes, planes = str(counted["line"]), str(counted["plane"])
+        html += writer.say("steel_registration_figures", "p", axes=axes, planes=planes)
     factor = thousands(registration_plots.ellipse_factor(report))
     caption = writer.say("steel_plan_caption", "figcaption", factor=factor)
     html += writer.figure(registration_plots.network_plot(report, writer.language), caption)

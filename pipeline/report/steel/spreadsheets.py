@@ -10,7 +10,8 @@ from pathlib import Path
 
 from pipeline.core.files import write_csv
 from pipeline.report.steel.directions import wind
-from pipeline.report.steel.records import ColumnRow, SteelReport
+from pipeline.report.steel.records import SteelReport
+from pipeline.report.steel.structure_rows import ColumnRow
 
 Cell = str | int
 

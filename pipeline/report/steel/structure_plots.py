@@ -13,8 +13,9 @@ from pipeline.core.vocabulary import Array
 from pipeline.report.labels import Language, label
 from pipeline.report.steel import colours
 from pipeline.report.steel.plan import WIDTH_IN, breadth, names_behind, plan_figure, text
-from pipeline.report.steel.records import ColumnRow, DeflectionSummary, NodeRow, SteelReport
+from pipeline.report.steel.records import SteelReport
 from pipeline.report.steel.scaling import largest, round_factor
+from pipeline.report.steel.structure_rows import ColumnRow, DeflectionSummary, NodeRow
 from pipeline.report.svg import BLUE, INK, QUIET, VERMILLION, inline_svg, plot_style
 
 COLUMN_SHARE, NODE_SHARE = 0.09, 0.06

@@ -9,7 +9,8 @@ from pipeline.report.labels import TEXTS, Label, label
 from pipeline.report.markup import DASH, Row, Writer, escaped, number, signed, thousands
 from pipeline.report.steel import paper
 from pipeline.report.steel.directions import wind
-from pipeline.report.steel.records import ColumnRow, NodeRow, SteelReport
+from pipeline.report.steel.records import SteelReport
+from pipeline.report.steel.structure_rows import ColumnRow, NodeRow
 from pipeline.steel.registration_records import IcpPair, VarianceComponent
 
 MOST_NODES, MOST_PAIRS = 40, 12

@@ -10,7 +10,8 @@ from typing import Any
 
 from pipeline.report.markup import Writer
 from pipeline.report.steel import colours, model
-from pipeline.report.steel.records import Place, SteelReport
+from pipeline.report.steel.records import SteelReport
+from pipeline.report.steel.structure_rows import Place
 
 BOXES = ("rods", "balls", "columns", "arrows", "stations", "names")
 

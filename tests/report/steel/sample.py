@@ -164,9 +164,10 @@ def members():
 def node(number, eccentricity_mm, significant=False):
     ball, away = np.array(CORNERS[number - 1]), np.array(eccentricity_mm, dtype=float)
     return Node(
-        name=f"N{number:03d}", ball_m=ball, ball_covariance=np.eye(3) * 9e-8, diameter_mm=200.0,
+        name=f"N{number:03d}", ball_m=ball, diameter_mm=200.0,
+        ball_covariance=np.eye(3) * 9e-8, ball_noise=np.eye(4) * 9e-8, ball_share=NO_SHARE,
         rods=("R001", "R004", "R005")[: 1 + number % 3], column="", rods_m=ball - away / 1000,
-        rods_covariance=np.eye(3) * 9e-8, axes_rms_mm=0.2,
+        rods_covariance=np.eye(3) * 9e-8, rods_noise=np.eye(3) * 9e-8, rods_share=NO_SHARE, axes_rms_mm=0.2,
         perpendicular_m=ball - away / 1000 + [0, 0, 0.0007],
         perpendicular_rule=CentreRule.SPHERE,
         eccentricity_mm=away, eccentricity_covariance=np.eye(3) * 0.09,

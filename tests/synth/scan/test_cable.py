@@ -10,13 +10,15 @@ import pytest
 
 from pipeline.core.errors import StageError
 from pipeline.core.events import silent
-from synth.scan.cable import CableRelief
+from synth.scan.cable import CableRelief, cable_relief
 from synth.scan.hits import hit_cylinder
 from synth.scan.run import scan_survey
-from synth.scan.spec import CloudFormat, read_scan_spec
+from synth.scan.spec import CloudFormat, ScanSpec, read_scan_spec
+from synth.scan.spec_hall import CablePlace
 from synth.spec import Cable, Defect, Robot, Spec
 from synth.spec_reader import read_spec
 from synth.surface import radius_m
+from synth.texture import surface_texture
 
 ROOT = Path(__file__).parents[3]
 TURNED = np.linalg.qr(np.random.default_rng(8).standard_normal((3, 3)))[0]
@@ -116,3 +118,23 @@ def test_a_cable_that_is_not_there_is_refused(tmp_path):
     (tmp_path / "spec.toml").write_text(text)
     with pytest.raises(StageError, match=r"none\.toml cannot be read"):
         scan_survey(read_scan_spec(tmp_path / "spec.toml"), tmp_path / "out", silent)
+
+
+def test_the_scan_sees_the_paint_where_the_videos_do():
+    """Paint averaged to cells keeps its place, also where the texels around are no multiple of a cell."""
+    spec = Spec(cable=Cable(diameter_mm=111.0, margin_m=0.02), robot=Robot(travel_m=0.05))
+    fine = surface_texture(spec.cable, spec.robot, spec.seed)[..., :3].mean(axis=-1)
+    assert fine.shape[1] % 5
+    scene = ScanSpec(name="x", cable=CablePlace(spec="", at_m=(0.0, 0.0, 0.0)))
+    coarse = cable_relief(scene, spec, 0).paint.mean(axis=0)
+    # against the fine paint turned by small angles: the best is none
+    centres = (np.arange(len(coarse)) + 0.5) / len(coarse) * fine.shape[1]
+    around = fine.mean(axis=0)
+    smooth = np.array([np.roll(around, k) for k in (-2, -1, 0, 1, 2)]).mean(axis=0)
+
+    def match(texels):
+        return np.corrcoef(np.interp(centres + texels, np.arange(len(smooth)) + 0.5, smooth), coarse)[0, 1]
+
+    shifts = np.arange(-3, 3.01, 0.25)
+    assert abs(shifts[np.argmax([match(s) for s in shifts])]) <= 0.25
+    assert match(0.0) > 0.97

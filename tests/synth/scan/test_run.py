@@ -44,7 +44,7 @@ def test_the_survey_names_clouds_that_are_there(tmp_path):
 def test_truth_is_in_the_base_stations_frame_and_has_all_keys(tmp_path):
     _, survey, truth = made(COARSE, tmp_path)
     assert set(truth) == {
-        *("format", "kind", "spec", "north_deg", "stations", "targets", "rods", "nodes", "columns"),
+        *("format", "kind", "spec", "north_deg", "plumb", "stations", "targets", "rods", "nodes", "columns"),
         *("deflection", "span_m", "gross", "photos"),
     }
     base = truth["stations"][0]
@@ -60,7 +60,9 @@ def test_truth_is_in_the_base_stations_frame_and_has_all_keys(tmp_path):
     assert compass @ off_mm[:2] == pytest.approx([8.0, 6.0], abs=1e-3)
     for column, claimed in zip(truth["columns"], survey["column"], strict=True):
         bottom, top = np.array(column["bottom_m"]), np.array(column["top_m"])
-        assert compass @ (1000.0 * (top - bottom)[:2]) == pytest.approx(column["tilt_mm"], abs=1e-3)
+        off = top - bottom
+        off -= off[2] * np.array(truth["plumb"]) / truth["plumb"][2]
+        assert compass @ (1000.0 * off[:2]) == pytest.approx(column["tilt_mm"], abs=1e-3)
         assert column["over_limit"] == (np.linalg.norm(column["tilt_mm"]) > 35.0)
         assert column["height_m"] == pytest.approx(top[2] - bottom[2])
         assert [claimed["bottom_m"], claimed["top_m"]] == pytest.approx([bottom[2], top[2]], abs=1e-4)

@@ -1,0 +1,157 @@
+"""Depth maps to points: each confirmed by its neighbours, their depths averaged, with normal and sigma.
+
+Takes oriented photos and their depth maps; gives the points of one photo.  Leaves out the maps
+(photo_depth.py) and which photos are neighbours (photo_dense.py).
+
+Source of the check (a depth must come back from the neighbour's own depth map): G. Egnal and R. P. Wildes,
+"Detecting binocular half-occlusions", IEEE PAMI 24(8), 2002.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.core.division import project
+from pipeline.core.vocabulary import Array
+from pipeline.steel.fuse_records import PhotoCloud
+from pipeline.steel.photo_depth import DepthMap, grid_pixels, grid_rays
+from pipeline.steel.photo_records import DepthOptions, OrientedPhotos
+
+LEAST_SAME = 0.32
+"""Share of the cells around one that must lie on its surface, for a normal."""
+
+
+def angles_deg(points: Array, first: Array, second: Array) -> Array:
+    """(n,) angle at which the rays from two centres meet in (n, 3) points."""
+    a, b = first - points, second - points
+    cosine = np.sum(a * b, axis=-1) / np.maximum(
+        np.linalg.norm(a, axis=-1) * np.linalg.norm(b, axis=-1), 1e-300
+    )
+    return np.asarray(np.degrees(np.arccos(np.clip(cosine, -1, 1))))
+
+
+def points_of(
+    photos: OrientedPhotos,
+    maps: dict[int, DepthMap],
+    number: int,
+    picture: NDArray[np.uint8],
+    options: DepthOptions,
+) -> PhotoCloud:
+    """The points of one photo that its neighbours confirm, their depths averaged with theirs.
+
+    Args:
+        photos: all of them.
+        maps: the depth map of each photo that has one.
+        number: of the photo.
+        picture: (h, w, 3) its blue-green-red.
+        options: see there.
+    """
+    mine, lens = maps[number], photos.lens
+    rays = grid_rays(lens, mine.step_px)
+    rotation, translation = photos.poses.rotations[number], photos.poses.translations[number]
+    valid = np.isfinite(mine.depth)
+    depth = np.where(valid, mine.depth, 1.0).astype(float)
+    places = (rays * depth[..., None] - translation) @ rotation
+    total, square = depth.copy(), depth**2
+    count, widest = np.ones(depth.shape, dtype=np.int64), np.zeros(depth.shape)
+    for other in {*mine.neighbours, *(n for n, m in maps.items() if number in m.neighbours)} & maps.keys():
+        seen_at, agrees = _returned(photos, maps[other], number, other, places, valid, options)
+        total[agrees] += seen_at[agrees]
+        square[agrees] += seen_at[agrees] ** 2
+        count[agrees] += 1
+        angle = np.sin(
+            np.radians(angles_deg(places, photos.poses.centres[number], photos.poses.centres[other]))
+        )
+        widest = np.where(agrees, np.maximum(widest, angle), widest)
+    mean = total / count
+    scatter = np.sqrt(np.maximum(square - count * mean**2, 0) / np.maximum(count - 1, 1))
+    normals, same = _normals(rays * mean[..., None], valid)
+    known = valid & (same >= LEAST_SAME)
+    kept = valid & (count > min(options.least_agreeing, len(mine.neighbours))) & known
+    place = (rays * mean[..., None] - translation) @ rotation
+    sigma = _sigmas(mean, scatter, same, widest, lens.focal_px, options) * np.linalg.norm(rays, axis=2)
+    pixel = grid_pixels(lens, mine.step_px).astype(np.int64)
+    colour = picture[pixel[..., 1], pixel[..., 0]][..., ::-1]
+    return PhotoCloud(
+        points=place[kept],
+        normals=(normals @ rotation)[kept],
+        colours=np.ascontiguousarray(colour[kept]),
+        sigmas=sigma[kept],
+    )
+
+
+def _sigmas(
+    depth: Array, scatter: Array, same: Array, widest: Array, focal_px: float, options: DepthOptions
+) -> Array:
+    """(h, w) standard deviation of each depth, photo units: three things that do not know of each other.
+
+    What the best correlation is worth; how far the maps that saw the place differ (two maps compare the same
+    two pictures, so half of them count and their mean is no better than one); and, where part of the window
+    lies on another surface, that the peak may slide by as much of half a window.
+
+    Args:
+        depth: along the camera's z.
+        scatter: standard deviation of the maps' depths.
+        same: share of the window that lies on the cell's own surface.
+        widest: sine of the widest angle at which rays meet.
+        focal_px: of the lens.
+        options: see there.
+    """
+    per_px = depth / focal_px / np.maximum(widest, 0.02)
+    slide_px = 0.5 * options.window_px / np.sqrt(3) * (1 - same)
+    return np.sqrt((options.matching_sigma_px * per_px) ** 2 + 0.5 * scatter**2 + (slide_px * per_px) ** 2)
+
+
+def _returned(
+    photos: OrientedPhotos,
+    theirs: DepthMap,
+    number: int,
+    other: int,
+    places: Array,
+    valid: NDArray[np.bool_],
+    options: DepthOptions,
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Depth in this photo that another's map gives at the same place, and whether it is the same place."""
+    lens, poses = photos.lens, photos.poses
+    step = theirs.step_px
+    in_other = places @ poses.rotations[other].T + poses.translations[other]
+    pixel = project(lens, in_other.reshape(-1, 3)).reshape(*places.shape[:2], 2) / step
+    columns, rows = np.floor(np.nan_to_num(pixel, nan=-1)).astype(np.int64).transpose(2, 0, 1)
+    height, width = theirs.depth.shape
+    inside = valid & (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
+    columns, rows = np.clip(columns, 0, width - 1), np.clip(rows, 0, height - 1)
+    found = theirs.depth[rows, columns]
+    # their cell lies a little beside the place: on this photo's ray the depth is off as theirs is
+    ratio = found / np.where(in_other[..., 2] > 0, in_other[..., 2], np.nan)
+    base = np.linalg.norm(poses.centres[number] - poses.centres[other])
+    own = (places @ poses.rotations[number].T + poses.translations[number])[..., 2]
+    off_px = np.abs(1 - ratio) * base * lens.focal_px / np.maximum(in_other[..., 2], 1e-9)
+    agrees = inside & (off_px < options.agree_px * np.sqrt(step))
+    return np.where(agrees, own * ratio, 0.0), agrees
+
+
+def _normals(places: Array, valid: NDArray[np.bool_], reach: int = 2) -> tuple[Array, Array]:
+    """Normals (h, w, 3) towards the camera from neighbours at nearly the same depth, and these's share."""
+    height, width = valid.shape
+    count, first, second = np.zeros(valid.shape), np.zeros(places.shape), np.zeros((*places.shape, 3))
+    depth = np.where(valid, places[..., 2], np.nan)
+    for down in range(-reach, reach + 1):
+        for right in range(-reach, reach + 1):
+            here = (slice(max(-down, 0), height - max(down, 0)), slice(max(-right, 0), width - max(right, 0)))
+            there = (
+                slice(max(down, 0), height - max(-down, 0)),
+                slice(max(right, 0), width - max(-right, 0)),
+            )
+            with np.errstate(invalid="ignore"):
+                near = np.abs(depth[there] / depth[here] - 1) < 0.01 * reach
+            away = np.where(near[..., None], places[there] - places[here], 0.0)
+            count[here] += near
+            first[here] += away
+            second[here] += away[..., :, None] * away[..., None, :]
+    same = count / (2 * reach + 1) ** 2
+    known = valid & (same >= LEAST_SAME)
+    mean = first / np.maximum(count, 1)[..., None]
+    moments = second / np.maximum(count, 1)[..., None, None] - mean[..., :, None] * mean[..., None, :]
+    normals = np.zeros_like(places)
+    normals[known] = np.linalg.eigh(moments[known])[1][:, :, 0]
+    away_from_camera = np.sum(normals * places, axis=2) > 0
+    return np.where(away_from_camera[..., None], -normals, normals), same

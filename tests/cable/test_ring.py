@@ -147,8 +147,10 @@ def test_what_no_block_saw_stays_open():
     seen = np.abs(np.angle(np.exp(1j * (three.azimuth - np.radians(270))))) > np.radians(32)
     assert np.isnan(three.radius_m[inside(three)][:, missing]).all()
     assert np.isfinite(three.radius_m[inside(three)][:, seen]).all()
-    dark = np.abs(np.angle(np.exp(1j * (three.picture_azimuth - np.radians(270))))) < np.radians(28)
-    assert not three.picture_known[:, dark].any()
+    away = np.abs(np.angle(np.exp(1j * (three.picture_azimuth - np.radians(270)))))
+    assert not three.picture_known[:, away < np.radians(28)].any()
+    rows = (three.picture_y_m > 0) & (three.picture_y_m < pieces.TRAVEL_M)
+    assert three.picture_known[rows][:, away > np.radians(32)].all()
     assert not three.measured[:, missing].any()
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.core.bundle import BundleOptions, RigPriors, adjust_bundle
+from pipeline.core.bundle import BundleOptions, RigPriors, adjust_bundle, intersect_points
 from pipeline.core.division import project_with_jacobian
 from pipeline.core.rig import Observations, Rig, linearise, points_in_camera
 from pipeline.core.rotations import nominal_cam_from_world, rotation_from_vector
@@ -177,6 +177,16 @@ def test_a_single_camera_cannot_tell_a_rolling_shutter_from_a_sheared_surface():
     priors = replace(priors_for(nominal, turn_deg=0.3), readout_sigma_m=5e-3)
     result = adjust_bundle(nominal, measured, priors, BundleOptions(sigma_px=0.1), quiet)
     assert np.sqrt(result.covariance[-1, -1]) > 0.5 * 5e-3
+
+
+@pytest.mark.parametrize("gross_errors", [True, False])
+def test_points_are_intersected_to_the_end_from_millimetres_away(gross_errors):
+    truth, seen = ring(points=200)
+    astray = replace(truth, points=truth.points + np.random.default_rng(2).normal(0, 2e-3, (200, 3)))
+    found, residuals = intersect_points(astray, seen, gross_errors=gross_errors)
+    tied = np.bincount(seen.point, minlength=200) >= 2
+    assert np.abs(found.points - truth.points)[tied].max() < 1e-7
+    assert np.abs(residuals).max() < 1e-3
 
 
 def test_held_values_do_not_move():

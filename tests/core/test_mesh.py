@@ -5,6 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
+from pipeline.core import mesh as surface_mesh
 from pipeline.core.mesh import mesh_of_grid
 
 RADIUS_M, LENGTH_M = 0.05, 0.1
@@ -47,6 +48,14 @@ def test_faces_and_normals_point_outward(columns):
     truth = mesh.vertices * [1, 0, 1] / RADIUS_M
     assert np.sum(mesh.normals * truth, axis=1).min() > np.cos(np.deg2rad(1.0))
     np.testing.assert_allclose(np.linalg.norm(mesh.normals, axis=1), 1)
+
+
+def test_normals_summed_run_by_run_are_those_of_all_faces_at_once(monkeypatch):
+    points, outward = tube()
+    whole = mesh_of_grid(points, np.ones(points.shape[:2], dtype=bool), outward)
+    monkeypatch.setattr(surface_mesh, "FACES_PER_RUN", 70)
+    in_runs = mesh_of_grid(points, np.ones(points.shape[:2], dtype=bool), outward)
+    np.testing.assert_allclose(in_runs.normals, whole.normals, atol=1e-12)
 
 
 def test_a_hole_takes_away_the_triangles_that_touch_it_and_no_other():

@@ -20,12 +20,11 @@ from pipeline.core.errors import StageError
 from pipeline.core.fits import FitOptions, Loss
 from pipeline.core.fits.robust import solve
 from pipeline.core.vocabulary import Array
+from pipeline.steel.fitting import FLOOR_M
 from pipeline.steel.survey_records import Scanner
 
 STEEPEST = 0.17
 """Rays that meet the plane at a smaller cosine (over 80 degrees) smear over their footprint."""
-FLOOR_M = 0.0002
-"""Nothing is known of a surface to better than this at one point: paint, dust, the footprint."""
 GATES_M = (0.03, 0.012, 0.012)
 """How far points may be off the plane to be looked at, pass by pass, or ``GATE_SIGMAS`` if that is more."""
 GATE_SIGMAS = 5.0

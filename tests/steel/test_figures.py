@@ -130,6 +130,49 @@ def test_two_columns_nearer_than_the_stations_are_known_are_not_told_apart():
     assert names([there, there + np.array([0.02, 0, 0])]) == [["", ""], ["", ""]]
 
 
+def standing(name, sigma_m, among=()):
+    """A station at the origin, known to ``sigma_m``; ``among`` as in :class:`StationPose`."""
+    covariance = np.diag([0.0] * 3 + [sigma_m] * 3) ** 2
+    return StationPose(
+        name=name,
+        rotation=np.eye(3),
+        translation=np.zeros(3),
+        covariance=covariance,
+        **({"among": np.array(among)} if len(among) else {}),
+    )
+
+
+def names_of(places_m, poses, seed=7):
+    """Names that plumb columns at (x, 0, 1), for each station those that it sees, are given."""
+    rng = np.random.default_rng(seed)
+    found = [
+        StationFeatures(
+            station=pose.name,
+            features=tuple(
+                seen(FeatureKind.LINE, np.array([4.0 + x, 0, 1]), [0, 0, 1], np.eye(3), np.zeros(3), rng)
+                for x in places
+            ),
+        )
+        for pose, places in zip(poses, places_m, strict=True)
+    ]
+    return [[f.name for f in one.features] for one in name_figures(found, poses)]
+
+
+def test_stations_that_are_off_alike_must_agree_better_than_each_is_known():
+    """Two columns 25 mm apart: one, to stations known to 6 mm each; two, to stations off by the same."""
+    places = [[0.0], [0.025]]
+    assert names_of(places, [standing("S1", 0.006), standing("S2", 0.006)]) == [["A001"], ["A001"]]
+    alike = [standing("S1", 0.006).covariance] * 2
+    assert names_of(places, [standing("S1", 0.006, alike), standing("S2", 0.006, alike)]) == [[""], [""]]
+
+
+def test_a_chain_of_matches_that_leads_back_to_another_figure_is_not_trusted():
+    """Each link is clear, but the first station sees two columns, 87 mm apart."""
+    poses = [standing("S1", 0.0), standing("S2", 0.006), standing("S3", 0.006)]
+    assert names_of([[0.0], [0.025], [0.03]], poses) == [["A001"], ["A001"], ["A001"]]
+    assert names_of([[0.0, 0.087], [0.025], [0.062]], poses) == [["", ""], [""], [""]]
+
+
 def test_pieces_of_one_axis_that_stations_see_at_different_heights_are_not_matched():
     rng = np.random.default_rng(6)
     pose = StationPose(name="S", rotation=np.eye(3), translation=np.zeros(3), covariance=np.zeros((6, 6)))

@@ -58,8 +58,8 @@ def _stations(name: str, found: StationErrors) -> list[str]:
         f"Stations of {name}, the worst first" + _some(len(rows), len(found.entries)),
         *aligned(head, rows),
         f"RMS {number(found.rms_mm, 3)} mm, largest {number(found.largest_mm, 3)} mm, "
-        f"{number(found.rms_arcsec, 2)} arcsec; after the best rigid fit {number(found.fitted_rms_mm, 3)} mm "
-        "(the paper's registration: 5 mm)",
+        f"{number(found.rms_arcsec, 2)} arcsec; after the best rigid fit of stations and "
+        f"targets {number(found.fitted_rms_mm, 3)} mm (the paper's registration: 5 mm)",
         f"station by station {number(found.chained_rms_mm, 2)} mm, after its best fit "
         f"{number(found.chained_fitted_rms_mm, 2)} mm; pairwise ICP {number(found.icp_rms_mm, 2)} mm, after "
         f"its best fit {number(found.icp_fitted_rms_mm, 2)} mm",

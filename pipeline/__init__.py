@@ -57,6 +57,7 @@ report     everything found                                    RUN/report.html, 
 
 The other rooms:
 
+- ``segments/``: surveys too long for one piece, worked off segment by segment in bounded memory.
 - ``core/``: shared words, geometry, lens, fits, adjustment, files, run folder; knows no stage.
 - ``report/``: tables, plots, the page, the exported files; computes nothing twice.
 - ``scan/``: a laser scan of a cable in the frame of its finished run (``python -m pipeline join-scan``).

@@ -46,7 +46,8 @@ def _heard(emit: Emit) -> Emit:
 
 
 def _json_lines(event: Event) -> None:
-    sys.stderr.write(json.dumps(asdict(event), ensure_ascii=False) + "\n")
+    told = {key: value for key, value in asdict(event).items() if event.segments or "segment" not in key}
+    sys.stderr.write(json.dumps(told, ensure_ascii=False) + "\n")
     sys.stderr.flush()
 
 
@@ -64,7 +65,7 @@ class _Bar:
             self._draw(event, end="\n" if finished else "")
             self._drawn = now
         elif finished:
-            self._stream.write(f"{event.stage:8s} {self._progress.stage_seconds(event.stage):6.1f} s\n")
+            self._stream.write(f"{_where(event)} {self._progress.stage_seconds(event):6.1f} s\n")
         if finished and event.message:
             self._stream.write(f"note: {event.message}\n")
         self._stream.flush()
@@ -74,4 +75,10 @@ class _Bar:
         bar = "█" * filled + "░" * (BAR - filled)
         left = self._progress.seconds_left
         words = "" if left is None else f"about {int(left // 60)}:{int(left % 60):02d} left"
-        self._stream.write(f"\r\x1b[K{event.stage:8s} {bar} {event.block:10s} {words}{end}")
+        self._stream.write(f"\r\x1b[K{_where(event)} {bar} {event.block:10s} {words}{end}")
+
+
+def _where(event: Event) -> str:
+    """The stage, and where a survey is cut the segment, in columns."""
+    counted = f" {event.segment:3d}/{event.segments}" if event.segments else ""
+    return f"{event.stage:8s}{counted}"

@@ -16,6 +16,7 @@ import numpy as np
 from pipeline.core import store
 from pipeline.core.errors import StageError
 from pipeline.core.options import build
+from pipeline.segments.plan import SEGMENTS
 
 # the stages bring scipy and OpenCV with them, for which Blender must not wait when it starts
 if TYPE_CHECKING:
@@ -98,6 +99,12 @@ def open_run(folder: Path) -> OpenedRun:
     folder = folder.absolute()
     if not (folder / "products").is_dir():
         raise StageError("run", f"{folder} is no run folder", "choose a folder that a reconstruction wrote")
+    if (folder / SEGMENTS).is_dir() and not (folder / "products" / "all-mosaic.npz").exists():
+        raise StageError(
+            "run",
+            f"{folder} is a long survey that was worked off in segments",
+            f"choose one of the folders in {folder / SEGMENTS}",
+        )
     frames = _load(folder, "frames", SurveyFrames)
     if frames is None:
         raise StageError("run", f"nothing is finished in {folder}", "run the reconstruction first")
@@ -154,7 +161,7 @@ def _load[T](folder: Path, stage: str, kind: type[T], block: str = "all") -> T |
     if not (file.exists() and file.with_suffix(".stamp").exists()):
         return None
     try:
-        return store.load(kind, file, folder)
+        return store.load(kind, file, _root(folder))
     except FileNotFoundError as error:
         raise StageError(
             "run", f"{error.filename or file} of {folder.name} is gone", "run the reconstruction again"
@@ -165,6 +172,11 @@ def _load[T](folder: Path, stage: str, kind: type[T], block: str = "all") -> T |
             f"{file.name} of {folder.name} is damaged or of another version of this program",
             "run the reconstruction again",
         ) from error
+
+
+def _root(folder: Path) -> Path:
+    """What the names of files are kept relative to: of a segment, the folder of the whole run."""
+    return folder.parent.parent if folder.parent.name == SEGMENTS else folder
 
 
 def _options(folder: Path) -> CableOptions:

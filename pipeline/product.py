@@ -8,7 +8,9 @@ from importlib import import_module
 from pathlib import Path
 from threading import Thread
 
+from pipeline.cable.chain import Chain
 from pipeline.cable.pairs import read_pairs
+from pipeline.cable.records import CableOptions
 from pipeline.cable.run import STAGES, bind_options, run_cable
 from pipeline.cable.survey import Survey
 from pipeline.core.errors import StageError
@@ -20,6 +22,8 @@ from pipeline.report.labels import Language
 from pipeline.report.metrics import compare_with_truth, mean_absolute_error_mm
 from pipeline.report.types import ReportData, TruthStation
 from pipeline.report.written import write_run
+from pipeline.segments.plan import Segment, cut
+from pipeline.segments.survey_run import SegmentedRun
 from pipeline.set_aside import drop_set_aside, none_if_refused, set_aside
 
 
@@ -62,27 +66,69 @@ def make_product(
         true = _truth_stations(truth, survey)
         if pairs:
             read_pairs(pairs, tuple(b.name for b in survey.blocks))  # tells now, and not minutes later
-        folder = _folder(out, start, only)
+        folder_of = partial(_folder, start, only)
+        folder = folder_of(out)
         write_json(folder.path / "options.json", options, "run")
-        last = only if only and only != "report" else STAGES[-1]
-        if last == STAGES[-1]:
-            # Matplotlib takes its time to load: while frames are read, so that the report need not wait
-            Thread(target=import_module, args=("pipeline.report.page",), daemon=True).start()
-        found = run_cable(survey, options, folder, emit, pairs, last)
-        if found is None or (only and only != "report"):
+        last = only or "report"
+        if last == "report":
+            _load_page_early()
+        chain = Chain(survey, options, folder, emit)
+        chain.run("frames", pairs)
+        segments = _segments(chain, options, pairs)
+        if last == "frames":
+            data = None
+        elif len(segments) > 1:
+            frames = tuple(chain.made["frames"])
+            run = SegmentedRun(survey, options, frames, segments, folder, folder_of, emit)
+            data = run.write(true, language, last)
+        else:
+            data = _in_one_piece(chain, pairs, last, true, language)
+        if data is None:
             return f"{only} is done in {out}"
-        set_aside(out)
-        data = write_run(found, folder, true, language, emit)
         drop_set_aside(out)
         emit(Event(stage="report", done=1, total=1))
     return _summary(data, out)
 
 
-def _folder(out: Path, start: str | None, only: str | None) -> RunFolder:
-    stages = (*STAGES, "report")
-    fresh = frozenset(stages[stages.index(start) :] if start else (only,) if only else ())
-    allowed = None if only in (None, "report") else frozenset({only or ""})
-    return RunFolder(out, fresh, allowed, before_making=partial(set_aside, out))
+def _load_page_early() -> None:
+    """Load Matplotlib, which takes its time, while frames are read, so that the report need not wait.
+
+    The thread is no daemon: a refusal would end the interpreter in the middle of an import, which aborts.
+    """
+    Thread(target=import_module, args=("pipeline.report.page",)).start()
+
+
+def _segments(chain: Chain, options: CableOptions, pairs: Path | None) -> tuple[Segment, ...]:
+    """What the survey is cut into; pairs are of a model in one piece, and only rings can be tied."""
+    segments = cut(len(chain.made["frames"][0].value), options.segments)
+    return segments if chain.together and not pairs else segments[:1]
+
+
+def _in_one_piece(
+    chain: Chain, pairs: Path | None, last: str, truth: tuple[TruthStation, ...], language: Language
+) -> ReportData | None:
+    """All stages up to ``last``, and the product where that is the report."""
+    found = run_cable(chain, pairs, STAGES[-1] if last == "report" else last)
+    if found is None or last != "report":
+        return None
+    set_aside(chain.folder.path)
+    return write_run(found, chain.folder, truth, language, chain.emit)
+
+
+def _folder(start: str | None, only: str | None, out: Path, whole: Path | None = None) -> RunFolder:
+    """The run folder, or that of one segment of the whole; what is made in it outdates both."""
+    stages = (*STAGES[: STAGES.index("joint")], "joint_nominal", *STAGES[STAGES.index("joint") :], "report")
+    first = "joint_nominal" if start == "joint" else start
+    chosen = {"joint_nominal", "joint"} if only == "joint" else {only} if only else set()
+    fresh = frozenset(stages[stages.index(first) :] if first else chosen)
+    allowed = None if only in (None, "report") else frozenset(chosen)
+
+    def outdated() -> None:
+        for folder in (out, whole):
+            if folder is not None:
+                set_aside(folder)
+
+    return RunFolder(out, fresh, allowed, before_making=outdated, root=whole)
 
 
 def _truth_stations(path: Path | None, survey: Survey) -> tuple[TruthStation, ...]:

@@ -39,6 +39,9 @@ STEEL_SHARES = {
 }
 """The same for a steel survey, timed on four stations."""
 
+ADJUSTED = "undistort"
+"""A survey in segments goes through the stages before this with all of them, then through it and the rest."""
+
 SETTLE_S = 2.0
 """Nothing is foretold before."""
 
@@ -60,45 +63,67 @@ class Progress:
         self._blocks, self._shares = blocks, shares
         self._began = time.monotonic()
         self._skipped = 0.0
-        self._stage_began: dict[str, float] = {}
-        self._parts: dict[str, dict[int, float]] = {}
+        self._stage_began: dict[tuple[int, str], float] = {}
+        self._parts: dict[tuple[int, str], dict[int, float]] = {}
         self.stage_fraction = self.fraction = 0.0
         self.seconds_left: float | None = None
+        self._segments = 0
+        self._ended: set[tuple[int, str]] = set()
 
     def take(self, event: Event) -> None:
         """Follow one event.
 
         A resumed run finds stages finished: they tell nothing but their end, and do not count as work done.
         """
-        now = time.monotonic()
-        if ends_stage(event) and event.stage not in self._stage_began:
+        now, key = time.monotonic(), (event.segment, event.stage)
+        if key in self._ended:
+            return  # a finished stage that is only looked up again
+        if ends_stage(event):
+            self._ended.add(key)
+        if ends_stage(event) and key not in self._stage_began:
             self._skipped += self._shares.get(event.stage, 0.0)
-        self._stage_began.setdefault(event.stage, now)
+        self._stage_began.setdefault(key, now)
         part = event.done / max(event.total, 1)
         if event.block in self._blocks:
-            parts = self._parts.setdefault(event.stage, {})
+            parts = self._parts.setdefault(key, {})
             parts[self._blocks.index(event.block)] = part
             # blocks may go side by side, begun in order: one that was passed over was finished already
             known = [parts.get(n, float(n < max(parts))) for n in range(len(self._blocks))]
             part = sum(known) / len(known)
         self.stage_fraction = part
-        self._foretell(event.stage, part, now)
+        self._foretell(event, part, now)
 
-    def stage_seconds(self, stage: str) -> float:
-        """Time since the first event of a stage."""
-        return time.monotonic() - self._stage_began[stage]
+    def stage_seconds(self, event: Event) -> float:
+        """Time since the first event of this one's stage."""
+        return time.monotonic() - self._stage_began[event.segment, event.stage]
 
-    def _foretell(self, stage: str, part: float, now: float) -> None:
+    def _foretell(self, event: Event, part: float, now: float) -> None:
         self.seconds_left = None
-        shares = self._shares
-        if stage not in shares:
+        if event.stage not in self._shares:
             return
-        names, whole = list(shares), sum(shares.values())
-        done = sum(shares[n] for n in names[: names.index(stage)]) + part * shares[stage]
+        self._segments = max(self._segments, event.segments)
+        before, whole = self._work(event.stage, event.segment)
+        done = before + part * self._shares[event.stage]
         self.fraction = max(self.fraction, done / whole)
         passed, made = now - self._began, done - self._skipped
         if passed >= SETTLE_S and made > 0:
             self.seconds_left = passed / made * (whole - done)
+
+    def _work(self, stage: str, segment: int) -> tuple[float, float]:
+        """What is done before a stage of a segment begins, and the whole work."""
+        shares = self._shares
+        names, times = list(shares), max(self._segments, 1)
+        before = sum(shares[n] for n in names[: names.index(stage)])
+        if times == 1:
+            return before, sum(shares.values())
+        first = shares[names[0]]  # frames, of the whole survey once
+        early = sum(shares[n] for n in names[: names.index(ADJUSTED)]) - first
+        late = sum(shares.values()) - early - first
+        whole = first + times * (early + late)
+        earlier = (segment or times) - 1
+        if names.index(stage) < names.index(ADJUSTED):
+            return earlier * early + before, whole
+        return first + times * early + earlier * late + before - early - first, whole
 
 
 def ends_stage(event: Event) -> bool:

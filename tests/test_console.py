@@ -9,7 +9,7 @@ from pipeline import console
 from pipeline.cable.run import STAGES
 from pipeline.console import emitter
 from pipeline.core.events import Event
-from pipeline.progress import SHARES
+from pipeline.progress import SHARES, Progress
 
 BLOCKS = ("Block1", "Block2")
 
@@ -61,6 +61,7 @@ def test_every_event_is_one_line_of_json(capsys):
     events = [
         Event(stage="match", block="Block1", done=3, total=24),
         Event(stage="run", done=0, total=1, message="Brücke\nfertig"),
+        Event(stage="lens", done=1, total=2, segment=3, segments=9),
     ]
     for event in events:
         emit(event)
@@ -70,6 +71,7 @@ def test_every_event_is_one_line_of_json(capsys):
     assert [json.loads(line) for line in lines] == [
         {"stage": "match", "done": 3, "total": 24, "block": "Block1", "message": ""},
         {"stage": "run", "done": 0, "total": 1, "block": "", "message": "Brücke\nfertig"},
+        {"stage": "lens", "done": 1, "total": 2, "block": "", "message": "", "segment": 3, "segments": 9},
     ]
     assert "Brücke" in captured.err
 
@@ -164,3 +166,47 @@ def test_what_a_resumed_run_found_finished_does_not_count_for_the_time_left(monk
 
 def test_every_stage_has_its_share_of_the_time_in_the_order_of_the_run():
     assert list(SHARES) == [*STAGES, "report"]
+
+
+def run_in_segments(emit, clock, segments, seconds=1.0):
+    """A survey cut into segments: frames once, all segments up to the joint stage, then each to its end."""
+    stages = tuple(SHARES)
+    early, late = stages[1 : stages.index("undistort")], stages[stages.index("undistort") :]
+    emit(Event(stage="frames", done=1, total=1))
+    for pass_of in (early, late):
+        for number in range(1, segments + 1):
+            told = {"segment": number, "segments": segments}
+            if pass_of is late:
+                for stage in early:
+                    emit(Event(stage=stage, done=1, total=1, **told))
+            for stage in pass_of:
+                emit(Event(stage=stage, done=0, total=2, **told))
+                clock.now += seconds * SHARES[stage]
+                emit(Event(stage=stage, done=1, total=1, **told))
+    emit(Event(stage="report", done=0, total=1))
+
+
+def test_a_survey_in_segments_moves_forward_all_the_time_and_foretells_its_end(clock):
+    progress, seen, began = Progress(BLOCKS), [], clock.now
+
+    def take(event):
+        progress.take(event)
+        seen.append((clock.now - began, progress.fraction, progress.seconds_left))
+
+    run_in_segments(take, clock, 10)
+    fractions = [fraction for _, fraction, _ in seen]
+    assert fractions == sorted(fractions)
+    whole = seen[-1][0]
+    for passed, fraction, left in seen:
+        if 0.2 < passed / whole < 0.98 and left is not None:
+            assert fraction == pytest.approx(passed / whole, abs=0.03)
+            assert passed + left == pytest.approx(whole, rel=0.1)
+    assert fractions[-1] > 0.98
+
+
+def test_the_bar_counts_segments_and_times_each_stage_of_each(monkeypatch, clock):
+    stream = io.StringIO()
+    run_in_segments(bar(monkeypatch, stream), clock, 3, seconds=0.1)
+    lines = stream.getvalue().splitlines()
+    assert "match      2/3    1.6 s" in lines
+    assert "dense      3/3    1.5 s" in lines

@@ -32,6 +32,16 @@ class BlockStages:
         self._survey, self._options, self._folder, self._emit = survey, options, folder, emit
         self.made: dict[str, list[Product[Any]]] = {}
 
+    @property
+    def folder(self) -> RunFolder:
+        """Where products are kept."""
+        return self._folder
+
+    @property
+    def emit(self) -> Emit:
+        """Where progress goes."""
+        return self._emit
+
     def _value(self, stage: str, block: int = 0) -> Any:  # noqa: ANN401 - products of every kind
         return self.made[stage][block].value
 
@@ -70,7 +80,7 @@ class BlockStages:
             rough,
         )
         return [
-            Product.of(sequence, source, root=self._folder.path)
+            Product.of(sequence, source, root=self._folder.root)
             for sequence, source in zip(product.value.sequences, sources, strict=True)
         ]
 

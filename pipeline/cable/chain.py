@@ -30,7 +30,7 @@ class Chain(RingStages):
         elif name == "mosaic":
             self.made[name] = [self._mosaic(pairs)]
         elif name in ("closing", "joint"):
-            self.made[name] = [getattr(self, f"_{name}")()] if self._together() else []
+            self.made[name] = [getattr(self, f"_{name}")()] if self.together else []
         elif name in ("ring", "measure"):
             self.made[name] = [getattr(self, f"_{name}")()]
         else:

@@ -13,6 +13,7 @@ import numpy as np
 
 from pipeline.cable.adjust import Orientation, intersect_block, rms
 from pipeline.cable.closing import SharedMarks
+from pipeline.cable.joint_path import RingPath, ring_path
 from pipeline.cable.joint_rig import (
     JointBlock,
     JointOptions,
@@ -56,6 +57,7 @@ class RingOrientation:
         shared_residual_px: root mean square residual of the shared marks.
         readout_mm, readout_sigma_mm: way that the robot travels while a frame's rows are read (rolling
             shutter), and its standard deviation; sigma 0: taken as given.
+        path: the robot's way, and the size of its ring; None in runs of earlier versions.
         iterations: steps of the last adjustment.
         surface_effect: what the surface prior changes; None where it was not asked for.
     """
@@ -70,6 +72,7 @@ class RingOrientation:
     shared_residual_px: float
     readout_mm: float = 0.0
     readout_sigma_mm: float = 0.0
+    path: RingPath | None = None
     iterations: int
     surface_effect: SurfaceEffect | None
 
@@ -153,6 +156,7 @@ def _ring(
         shared_residual_px=float(np.sqrt(np.nanmean(np.sum(residual**2, axis=1)))) if len(residual) else 0.0,
         readout_mm=1000 * result.rig.readout_m,
         readout_sigma_mm=1000 * float(np.sqrt(result.covariance[-1, -1])),
+        path=ring_path(result),
         iterations=result.iterations,
         surface_effect=None,
     )

@@ -19,6 +19,7 @@ from pipeline.cable.surface import BlockSurface, SurfaceOptions
 from pipeline.cable.survey import Block, Survey
 from pipeline.cable.texture import TextureOptions, UnrolledPicture
 from pipeline.core.vocabulary import FrameSequence, Lens, PosPriors
+from pipeline.segments.plan import SegmentOptions
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +41,7 @@ class CableOptions:
     ring: RingOptions = field(default_factory=RingOptions)
     measure: MeasureOptions = field(default_factory=MeasureOptions)
     relief: ReliefOptions = field(default_factory=ReliefOptions)
+    segments: SegmentOptions = field(default_factory=SegmentOptions)
 
 
 @dataclass(frozen=True, kw_only=True)

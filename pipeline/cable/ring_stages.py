@@ -28,7 +28,10 @@ from pipeline.core.vocabulary import FrameSequence, Lens
 class RingStages(BlockStages):
     """The products of all blocks together: ``made["mosaic"][0]`` is the only one."""
 
-    def _together(self) -> bool:
+    _joint_product = "joint"
+
+    @property
+    def together(self) -> bool:
         """Whether the cameras are adjusted as one rig: one clock, and no POS that says otherwise."""
         survey = self._survey
         return (
@@ -78,7 +81,7 @@ class RingStages(BlockStages):
         stations = stations if self._options.joint.surface_sigma_mm > 0 else ()
         places = [(b.angle_deg, b.travel_in_image) for b in survey.blocks]
         needs = [*self._all("adjust", "closing"), robot, places, self._options.joint, stations]
-        return self._folder.product("joint", RingOrientation, make, *needs)
+        return self._folder.product(self._joint_product, RingOrientation, make, *needs)
 
     def _joined(self) -> tuple[MosaicBlock, ...]:
         return tuple(

@@ -11,9 +11,7 @@ from pathlib import Path
 from pipeline.cable.chain import Chain
 from pipeline.cable.records import CableOptions, CableRun
 from pipeline.cable.survey import Survey
-from pipeline.core.events import Emit
 from pipeline.core.options import build, override
-from pipeline.core.runfolder import RunFolder
 
 STAGES = (
     "frames",
@@ -46,21 +44,11 @@ def bind_options(survey: Survey, assignments: tuple[str, ...] = ()) -> CableOpti
     return options
 
 
-def run_cable(
-    survey: Survey,
-    options: CableOptions,
-    run: RunFolder,
-    emit: Emit,
-    pairs: Path | None = None,
-    last: str = STAGES[-1],
-) -> CableRun | None:
-    """Run the stages in order, up to ``last``.
+def run_cable(chain: Chain, pairs: Path | None = None, last: str = STAGES[-1]) -> CableRun | None:
+    """Run the stages that are still to be run, in order, up to ``last``.
 
     Args:
-        survey: what to work on.
-        options: of every stage.
-        run: where products are kept.
-        emit: progress; may raise Cancelled.
+        chain: of the survey; progress may raise Cancelled.
         pairs: file of corresponding points chosen by hand, or None to find them.
         last: stop after this stage.
 
@@ -70,8 +58,8 @@ def run_cable(
     Raises:
         StageError: bad input, or ``last`` is a stage that this survey does not need.
     """
-    chain = Chain(survey, options, run, emit)
     for name in STAGES[: STAGES.index(last) + 1]:
-        chain.run(name, pairs)
+        if name not in chain.made:
+            chain.run(name, pairs)
     chain.require(last)
     return chain.result() if last == STAGES[-1] else None

@@ -19,6 +19,7 @@ class Event:
         total: units in all, at least 1.
         block: block that is worked on, or "" for all of them.
         message: one line for the log, or "".
+        segment, segments: of a survey that is cut, the segment from 1 and how many there are; else 0.
     """
 
     stage: str
@@ -26,6 +27,8 @@ class Event:
     total: int
     block: str = ""
     message: str = ""
+    segment: int = 0
+    segments: int = 0
 
 
 Emit = Callable[[Event], None]

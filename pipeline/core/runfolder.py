@@ -48,6 +48,7 @@ class RunFolder:
         fresh: names of the stages that must be made again even if they are finished.
         only: names of the stages that may run (None: all); a missing product of another stage is an error.
         before_making: called before a product is made or made again: what rests on the products is outdated.
+        root: files inside it are named by their place in it, so that it can be moved; None: ``path``.
 
     Raises:
         StageError: the folder cannot be written.
@@ -59,11 +60,14 @@ class RunFolder:
         fresh: frozenset[str] = frozenset(),
         only: frozenset[str] | None = None,
         before_making: Callable[[], None] | None = None,
+        root: Path | None = None,
     ) -> None:
         self.path = path.absolute()
+        self.root = self.path if root is None else root.absolute()
         self._before_making = before_making
         self._fresh = fresh
         self._only = only
+        self._made: set[Path] = set()
         self.timing_s: dict[str, float] = {}
         self._writing = Lock()
         try:
@@ -108,9 +112,10 @@ class RunFolder:
         )
         file = self.path / "products" / f"{block or 'all'}-{stage}.npz"
         mark = file.with_suffix(".stamp")
-        if stage not in self._fresh and mark.exists() and mark.read_text(encoding="utf-8") == wanted:
+        again = stage in self._fresh and file not in self._made
+        if not again and mark.exists() and mark.read_text(encoding="utf-8") == wanted:
             with contextlib.suppress(*_UNREADABLE):
-                return Product(store.load(kind, file, self.path), wanted)
+                return Product(store.load(kind, file, self.root), wanted)
         if self._only is not None and stage not in self._only:
             raise StageError(
                 "run",
@@ -122,8 +127,9 @@ class RunFolder:
         began = time.monotonic()
         mark.unlink(missing_ok=True)
         value = build()
-        store.save(value, file, self.path)
+        store.save(value, file, self.root)
         write_text(mark, wanted, "run")
+        self._made.add(file)
         self.note_time(stage, block, time.monotonic() - began)
         return Product(value, wanted)
 

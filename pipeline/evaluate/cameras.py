@@ -13,7 +13,7 @@ import pycolmap
 
 from pipeline.core.errors import StageError
 from pipeline.core.fits.similarity import fit_similarity
-from pipeline.core.rotations import angle_between_deg, poses_from_centres
+from pipeline.core.rotations import angle_between_deg, poses_from_centres, rotation_from_vector
 from pipeline.core.vocabulary import Array, Poses
 from pipeline.evaluate.documents import Document, read_document
 from pipeline.evaluate.records import CameraComparison, CameraErrors
@@ -37,7 +37,7 @@ def compare_cameras(run_folder: Path, report: Document, truth: Document) -> Came
     names = [block.text("name") for block in report.items("blocks")]
     if not names:
         raise report.error("blocks is empty")
-    pairs = {name: _block_pairs(run_folder, blocks, name) for name in names}
+    pairs = {name: _block_pairs(run_folder, report, blocks, name) for name in names}
     run = _joined([found for found, _ in pairs.values()])
     true = _joined([true for _, true in pairs.values()])
     fit = fit_similarity(_with_arms(run), _with_arms(true), with_scale=False)
@@ -55,16 +55,41 @@ def compare_cameras(run_folder: Path, report: Document, truth: Document) -> Came
     )
 
 
-def _block_pairs(run_folder: Path, blocks: Document, name: str) -> tuple[Poses, Poses]:
+def _block_pairs(run_folder: Path, report: Document, blocks: Document, name: str) -> tuple[Poses, Poses]:
     """The block's poses of the run and the true ones, in the order of the frames."""
-    found = _read_sparse(run_folder / "blocks" / name / "sparse")
+    found: dict[int, Array] = {}
+    for folder, rotation, shift in _pieces(run_folder, report):
+        found = _piece(folder / "blocks" / name, rotation, shift) | found
     true = {round(pose.number("frame")): pose.array("cam_from_world", 3, 4) for pose in blocks.items(name)}
     for frame in found:
         if frame not in true:
             raise blocks.error(f"poses.{name} has no frame {frame}, which is in the run")
     frames = sorted(found)
-    placement = run_folder / "blocks" / name / "placement.json"
-    return _placed(_poses([found[f] for f in frames]), placement), _poses([true[f] for f in frames])
+    return _poses([found[f] for f in frames]), _poses([true[f] for f in frames])
+
+
+def _pieces(run_folder: Path, report: Document) -> list[tuple[Path, Array, Array]]:
+    """The run, or the segments of a long one: each its folder, and the motion into the whole's frame."""
+    if "segments" not in report:
+        return [(run_folder, np.eye(3), np.zeros(3))]
+    return [
+        (
+            run_folder / "segments" / segment.text("name"),
+            rotation_from_vector([0.0, np.radians(segment.number("roll_deg")), 0.0]),
+            np.array([0.0, segment.number("start_m"), 0.0]),
+        )
+        for segment in report.items("segments")
+    ]
+
+
+def _piece(block: Path, rotation: Array, shift: Array) -> dict[int, Array]:
+    """Frame number to cam_from_world (3, 4) of one block's folder, in the frame of the whole."""
+    found = _read_sparse(block / "sparse")
+    frames = sorted(found)
+    poses = _placed(_poses([found[f] for f in frames]), block / "placement.json")
+    whole = _moved(poses, rotation, shift)
+    stacked = np.concatenate([whole.rotations, whole.translations[..., None]], axis=2)
+    return dict(zip(frames, stacked, strict=True))
 
 
 def _placed(poses: Poses, placement: Path) -> Poses:

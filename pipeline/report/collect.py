@@ -54,7 +54,7 @@ def collect(
         truth=truth,
         lens_pictures=(_lens_pictures(run.blocks[0]),),
         lens_effects=tuple(e for e in each_side_by_side(_lens_effect, run.blocks) if e is not None),
-        unrolled=_unrolled(ring.picture, ring.texel_mm, ring.picture_azimuth, ring.picture_y_m),
+        unrolled=unrolled_picture(ring.picture, ring.texel_mm, ring.picture_azimuth, ring.picture_y_m),
         block_unrolled=tuple(_block_picture(b) for b in run.blocks),
         profile=DiameterProfile(
             position_m=measurement.profile_y_m,
@@ -159,13 +159,14 @@ def _bow_mm(points: Array) -> float:
 
 def _block_picture(run: BlockRun) -> UnrolledPicture:
     picture = run.picture
-    return _unrolled(picture.colour, picture.texel_mm, picture.azimuth, picture.y_m, run.block.name)
+    return unrolled_picture(picture.colour, picture.texel_mm, picture.azimuth, picture.y_m, run.block.name)
 
 
-def _unrolled(
+def unrolled_picture(
     colour: NDArray[np.uint8], texel_mm: float, azimuth: Array, y_m: Array, name: str = ""
 ) -> UnrolledPicture:
-    """The picture with the places of its edges, half a texel beyond the centres of the outermost texels."""
+    """A picture (h, w, 3), blue, green, red, with the places of its edges: half a texel beyond the centres
+    of the outermost texels (azimuths in radians, places in metres)."""
     return UnrolledPicture(
         image=_rgb(colour),
         mm_per_px=texel_mm,

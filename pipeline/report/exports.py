@@ -122,6 +122,8 @@ def _report_tree(data: ReportData) -> dict[str, Any]:
     if data.mosaic is not None:
         tree["mosaic"] = asdict(data.mosaic)
     tree["surface_prior"] = asdict(data.surface_prior) if data.surface_prior else None
+    if data.segments:
+        tree["segments"] = [asdict(segment) for segment in data.segments]
     return tree
 
 

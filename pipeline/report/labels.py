@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from pipeline.report.scan_labels import SCAN_TEXTS
+from pipeline.report.segment_labels import SEGMENT_TEXTS
 from pipeline.report.steel_labels import STEEL_TEXTS
 
 Language = Literal["en", "zh"]
@@ -362,4 +363,5 @@ TEXTS: dict[str, tuple[str, str]] = {
     ),
     **STEEL_TEXTS,
     **SCAN_TEXTS,
+    **SEGMENT_TEXTS,
 }

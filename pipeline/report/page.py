@@ -16,6 +16,7 @@ from pipeline.report.header import header
 from pipeline.report.labels import LANGUAGES, Language
 from pipeline.report.markup import Writer, escaped
 from pipeline.report.relief_section import relief_section
+from pipeline.report.segment_section import segment_section
 from pipeline.report.types import ReportData
 from pipeline.report.viewer import ViewerOptions
 
@@ -67,6 +68,7 @@ def page_html(data: ReportData, options: PageOptions) -> str:
         ("lens", parts.lens(writer, data, options.picture_max_side_px)),
         ("lens_effect", parts.lens_effect(writer, data)),
         ("mosaic", parts.mosaic(writer, data)),
+        ("segments", segment_section(writer, data.segments)),
         ("resources", parts.resources(writer, data)),
         ("files", parts.file_list(writer, options.files)),
     ]

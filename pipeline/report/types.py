@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from pipeline.core.vocabulary import Array, LambdaRadius
 from pipeline.report.relief_records import ReliefSummary
+from pipeline.report.segment_records import SegmentSummary
 
 Picture = NDArray[np.uint8]
 
@@ -316,6 +317,7 @@ class ReportData:
         timing_s: stage to seconds, in the order of the stages.
         peak_memory_mb: largest resident memory of the run.
         warnings: sentences for the person who reads the report.
+        segments: of a long survey, that was worked off in several.
     """
 
     name: str
@@ -336,3 +338,4 @@ class ReportData:
     timing_s: Mapping[str, float] = field(default_factory=dict)
     peak_memory_mb: float = float("nan")
     warnings: tuple[str, ...] = ()
+    segments: tuple[SegmentSummary, ...] = ()

@@ -7,7 +7,7 @@ product.
 
 import itertools
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -35,6 +35,8 @@ from pipeline.report.labels import Language
 from pipeline.report.model import ring_cloud, ring_mesh
 from pipeline.report.types import ReportData, TruthStation
 
+type Piece = Callable[[], object]
+
 
 def write_run(
     found: CableRun, folder: RunFolder, truth: tuple[TruthStation, ...], language: Language, emit: Emit
@@ -51,14 +53,44 @@ def write_run(
     Raises:
         StageError: the folder cannot be written.
     """
-    began, out = time.monotonic(), folder.path
+    began = time.monotonic()
     emit(Event(stage="report", done=0, total=1))
-    data = collect(found, truth, folder.stage_seconds(), peak_memory_mb())
-    pieces: tuple[Callable[[], object], ...] = (
+    seconds = {stage: value for stage, value in folder.stage_seconds().items() if stage != "report"}
+    data = collect(found, truth, seconds, peak_memory_mb())
+    blocks = [partial(write_block_files, found, n, folder.path / "blocks") for n in range(len(found.blocks))]
+    data = write_files(data, found.ring, folder.path, language, emit, began, blocks)
+    folder.note_time("report", "", data.timing_s["report"])
+    return data
+
+
+def write_files(
+    data: ReportData,
+    ring: Ring,
+    out: Path,
+    language: Language,
+    emit: Emit,
+    began: float,
+    also: Sequence[Piece] = (),
+) -> ReportData:
+    """Write page, figures, model, cloud and pictures of a surface, and beside them whatever ``also`` writes.
+
+    Args:
+        data: what the report tells; the time since ``began`` is added to its stage "report".
+        ring: the surface.
+        out: the run folder.
+        language: that the page opens in.
+        emit: progress; may raise Cancelled.
+        began: when the report was begun, ``time.monotonic()``.
+        also: further files.
+
+    Raises:
+        StageError: the folder cannot be written.
+    """
+    pieces: tuple[Piece, ...] = (
         partial(_write_page, out, data, language),
-        *(partial(write_block_files, found, n, out / "blocks") for n in range(len(found.blocks))),
-        partial(_write_model, out, found.ring),
-        partial(_write_pictures, out, data, found.ring),
+        *also,
+        partial(_write_model, out, ring),
+        partial(_write_pictures, out, data, ring),
         partial(write_diameters_csv, out / "diameters.csv", data.stations, data.truth),
     )
     done = itertools.count(1)
@@ -67,8 +99,8 @@ def write_run(
         lambda _: emit(Event(stage="report", done=next(done), total=len(pieces) + 1)),
         workers_for(len(pieces)),
     )
-    folder.note_time("report", "", time.monotonic() - began)
-    data = replace(data, timing_s=folder.stage_seconds(), peak_memory_mb=peak_memory_mb())
+    spent = round(data.timing_s.get("report", 0.0) + time.monotonic() - began, 3)
+    data = replace(data, timing_s={**data.timing_s, "report": spent}, peak_memory_mb=peak_memory_mb())
     write_report_json(out / "report.json", data)
     return data
 

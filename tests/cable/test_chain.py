@@ -33,8 +33,7 @@ def test_a_stage_that_has_no_part_in_the_run_is_refused_by_name():
 class Joined(Chain):
     """Cameras that contradict each other: 0.06 px alone, 0.5 px together."""
 
-    def _together(self):
-        return True
+    together = True
 
     def _joint(self):
         return SimpleNamespace(value=SimpleNamespace(blocks=[SimpleNamespace(reprojection_px=0.5)] * 2))

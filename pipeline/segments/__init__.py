@@ -1,0 +1,11 @@
+"""Surveys too long for one piece: cut, worked off segment by segment, tied to each other, joined.
+
+The map, in the order of the data:
+
+- ``plan``: how many frames make a segment, and where the survey is cut;
+- ``part``: one segment through the stages, first at nominal and then at true scale (``scaling``);
+- ``traverse``: the segments' scales and places, adjusted between the ends of the whole travel;
+- ``told``: what a finished segment tells of the whole;
+- ``whole_ring``, ``whole``: the joined surface and the report on the whole;
+- ``survey_run``: the order of all this, and what happens to a segment in which nothing can be found.
+"""

@@ -1,0 +1,84 @@
+"""What one finished segment tells of the cable as a whole, small enough to be kept for all segments at once.
+
+Takes the segment's report data and its placement; gives :class:`Told`, in the whole cable's places.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pipeline.report.relief_records import ReliefFeature
+from pipeline.report.types import (
+    AxisSummary,
+    BlockSummary,
+    DiameterProfile,
+    MosaicSummary,
+    ReportData,
+    StationResult,
+)
+from pipeline.segments.traverse import Placement
+
+
+@dataclass(frozen=True, kw_only=True)
+class Told:
+    """One segment's share of the report on the whole cable; places from the survey's first frame.
+
+    Attributes:
+        blocks: of the segment, frames shared with neighbours included.
+        stations: those measured here.
+        profile, axis: between the hand-overs to the neighbours.
+        features: of the relief, their middles there as well.
+        relief_level_mm: what stands out exceeds this.
+        mosaic: how the segment's blocks came together.
+        warnings: as the segment's own report has them.
+    """
+
+    blocks: tuple[BlockSummary, ...]
+    stations: tuple[StationResult, ...]
+    profile: DiameterProfile
+    axis: AxisSummary
+    features: tuple[ReliefFeature, ...]
+    relief_level_mm: float
+    mosaic: MosaicSummary
+    warnings: tuple[str, ...]
+
+
+def told(data: ReportData, placement: Placement, *, last: bool) -> Told:
+    """Pick up what lies between the hand-overs, and move it to its place.
+
+    Args:
+        data: of the finished segment: with profile, axis, relief and mosaic.
+        placement: where it lies.
+        last: whether this is the survey's last segment.
+
+    Raises:
+        ValueError: the data lack one of these.
+    """
+    profile, axis, relief, mosaic = data.profile, data.axis, data.relief, data.mosaic
+    if profile is None or axis is None or relief is None or mosaic is None:
+        raise ValueError("a segment's report has profile, axis, relief and mosaic")
+    start_m = placement.start_m
+    along, chord = profile.position_m + start_m, axis.position_m + start_m
+    here = np.array([placement.here(y, last) for y in along], dtype=bool)
+    there = np.array([placement.here(y, last) for y in chord], dtype=bool)
+    return Told(
+        blocks=data.blocks,
+        stations=tuple(replace(s, position_m=s.position_m + start_m) for s in data.stations),
+        profile=DiameterProfile(
+            position_m=along[here], diameter_mm=profile.diameter_mm[here], sigma_mm=profile.sigma_mm[here]
+        ),
+        axis=AxisSummary(
+            straightness_mm_per_m=axis.straightness_mm_per_m,
+            position_m=chord[there],
+            bow_mm=axis.bow_mm[there],
+            centre_mm=axis.centre_mm[there],
+        ),
+        features=tuple(
+            replace(f, position_m=f.position_m + start_m)
+            for f in relief.features
+            if placement.here(f.position_m + start_m, last)
+        ),
+        relief_level_mm=relief.level_mm,
+        mosaic=mosaic,
+        warnings=data.warnings,
+    )

@@ -93,4 +93,5 @@ def _apply_block(block: CableTwinBlock, values: Block) -> None:
     block.lambda_known = lens.division_lambda is not None
     block.division_lambda = lens.division_lambda or 0.0
     block.lambda_radius = lens.lambda_radius.value
+    block.lambda_sigma = lens.lambda_sigma or 0.0
     block.calibrated = lens.calibrated

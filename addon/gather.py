@@ -108,6 +108,7 @@ def lens_values(block: CableTwinBlock) -> dict[str, object]:
         "sensor_width_mm": None if in_px else block.sensor_width_mm,
         "principal_point_px": list(block.principal_point_px) if block.use_principal_point else None,
         "division_lambda": block.division_lambda if block.lambda_known else None,
+        "lambda_sigma": block.lambda_sigma if block.sigma_counts() and block.lambda_sigma > 0 else None,
         "lambda_radius": block.lambda_radius,
         "calibrated": block.calibrated,
     }

@@ -9,7 +9,9 @@ from pathlib import Path
 import bpy
 
 from pipeline.core.errors import StageError
-from pipeline.opened import OpenedRun, open_run
+from pipeline.opened import OpenedRun
+
+from .segments import read_run
 
 _kept: dict[tuple[str, int], OpenedRun] = {}
 """At most one run, by its folder and the time of its last change."""
@@ -28,7 +30,7 @@ def opened(scene: bpy.types.Scene) -> OpenedRun:
     key = (str(path), _changed(path))
     if key not in _kept:
         _kept.clear()
-        _kept[key] = open_run(path)
+        _kept[key] = read_run(path)
     return _kept[key]
 
 

@@ -13,7 +13,6 @@ from pipeline.core.errors import StageError
 from pipeline.progress import SHARES, Progress
 
 from ..jobs import Job
-from ..properties.job import redraw_sidebars
 from ..wording import framed
 from .base import Operator
 
@@ -47,10 +46,12 @@ class Follower:
         for event in events:
             self._progress.take(event)
         if events:
-            self._show(stage=events[-1].stage, block=events[-1].block)
+            last = events[-1]
+            part = f"{last.segment}/{last.segments}" if last.segment else ""
+            self._show(stage=last.stage, part=part, block=last.block)
         left = self._progress.seconds_left
         self._show(
-            fraction=round(self._progress.fraction, 3),
+            fraction=round(self._progress.fraction, 2),  # a hundredth is as wide as two pixels
             seconds_left=-1.0 if left is None else float(round(left)),
         )
         if running and self.shown.cancelling:
@@ -60,11 +61,9 @@ class Follower:
     def _show(self, **values: object) -> None:
         """Set what has changed, and draw the panels anew."""
         changed = {key: value for key, value in values.items() if value != self._told.get(key)}
-        for key, value in changed.items():
-            setattr(self.shown, key, value)
         self._told |= changed
         if changed:
-            redraw_sidebars(bpy.context)
+            self.shown.tell(**changed)
 
     def _cancel(self) -> None:
         now = time.monotonic()
@@ -133,7 +132,7 @@ class JobOperator(Operator):
         if follower is None:
             return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS":
-            follower.shown.cancelling = True
+            follower.shown.tell(cancelling=True)
             return {"RUNNING_MODAL"}
         if event.type != "TIMER" or follower.tick():
             return {"PASS_THROUGH"}
@@ -155,7 +154,7 @@ class JobOperator(Operator):
         job, blocks = self.start(context)
         shown = context.window_manager.cabletwin_job
         clear(shown)
-        shown.running, shown.kind, shown.scene, shown.log = True, self.kind, context.scene.name, str(job.log)
+        shown.tell(running=True, kind=self.kind, scene=context.scene.name, log=str(job.log))
         return Follower(job, blocks, shown, self.shares)
 
     def _end(self, context: bpy.types.Context, follower: Follower) -> set[str]:
@@ -163,7 +162,7 @@ class JobOperator(Operator):
         cancelled = shown.cancelling or outcome.code == INTERRUPTED
         clear(shown)
         if outcome.code and not cancelled:
-            shown.failure = framed(outcome.failure)
+            shown.tell(failure=framed(outcome.failure))
             self.report({"ERROR"}, shown.failure)
             return {"CANCELLED"}
         if outcome.code:
@@ -181,5 +180,6 @@ class JobOperator(Operator):
 
 def clear(shown: bpy.types.PropertyGroup) -> None:
     """Nothing runs."""
-    for key in ("running", "cancelling", "stage", "block", "fraction", "seconds_left", "failure"):
+    for key in ("running", "cancelling", "stage", "part", "block", "fraction", "seconds_left", "failure"):
         shown.property_unset(key)
+    shown.tell()

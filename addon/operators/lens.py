@@ -77,11 +77,12 @@ class CABLETWIN_OT_lens_estimate(JobOperator):
         return _start("lens", str(file), *words), self._blocks
 
     def finished(self, context: bpy.types.Context, scene: bpy.types.Scene) -> None:
-        """Put lambda and its sigma into the blocks; each run will estimate it in the same way."""
+        """Put lambda and its sigma into the blocks: both are saved, and each run starts from them."""
         found = _found()
         for name in self._blocks:
             block, lens = _block(scene, name), found[name]["lens"]
-            block.lambda_known = False
+            # trusting the focal length would trust lambda too: then each run estimates it in the same way
+            block.lambda_known = not block.calibrated
             block.lambda_radius = lens["lambda_radius"]
             _set_lambda(block, lens, "EDGES")
             self.report(

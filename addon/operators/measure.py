@@ -7,7 +7,6 @@ from bpy.app.translations import pgettext_iface as translated
 from mathutils import Vector
 
 from pipeline.core.errors import StageError
-from pipeline.opened import open_run
 
 from ..jobs import Job
 from ..properties.survey import add_station
@@ -17,6 +16,7 @@ from ..results.show import show_measurement
 from ..results.sketch import refresh_sketch
 from ..results.stations import provisional_mm
 from ..results.view import look_at
+from ..segments import chosen, read_run
 from .base import Operator, take_out
 from .following import JobOperator
 from .picking import surface_under_mouse, view_under_mouse
@@ -206,8 +206,9 @@ class CABLETWIN_OT_measure_run(JobOperator):
     def finished(self, context: bpy.types.Context, scene: bpy.types.Scene) -> None:
         """Show what was measured; the surface too, if that is another one."""
         folder = run_folder(scene.cabletwin.run)
-        if shows_ring(scene, folder):
-            show_measurement(scene, open_run(folder))
+        shown = chosen(folder, scene.cabletwin.run.segment)
+        if shows_ring(scene, shown):
+            show_measurement(scene, read_run(shown))
         else:
             present_run(context, scene, folder)
         self.report({"INFO"}, "Measured")

@@ -9,6 +9,7 @@ from ..jobs import Job
 from ..opened import opened
 from ..results.joined import look_at_seam, place_blocks, seam, show_blocks, show_only
 from ..results.marks import show_marks
+from ..segments import along, start_m
 from .base import Operator
 from .following import JobOperator
 from .results import present_run
@@ -146,7 +147,7 @@ def fit(scene: bpy.types.Scene) -> None:
     names = [b.name for b in run.blocks]
     by_hand = mosaic.way == "BY_HAND"
     joined = join_run(run, gather_pairs(mosaic, names) if by_hand else None)
-    place_blocks(scene, names, joined.cable_from_block)
+    place_blocks(scene, names, along(start_m(run.folder)) @ joined.cable_from_block)
     show_blocks(scene)
     show_marks(scene)
     if by_hand:

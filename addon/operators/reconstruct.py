@@ -62,7 +62,7 @@ class CABLETWIN_OT_reconstruct_cancel(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Leave the word; whoever follows the job stops it."""
-        context.window_manager.cabletwin_job.cancelling = True
+        context.window_manager.cabletwin_job.tell(cancelling=True)
         return {"FINISHED"}
 
 

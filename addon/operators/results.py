@@ -11,6 +11,7 @@ from ..results.collections import BLOCKS, MOSAIC, SPARSE
 from ..results.show import show_run
 from ..results.steel_run import is_steel
 from ..results.view import clear_startup, frame, show_pictures
+from ..segments import chosen, number_of, segments_of, whole_of
 from .base import FolderChoice, Operator
 from .running import run_folder
 
@@ -38,12 +39,14 @@ class CABLETWIN_OT_results_choose(FolderChoice, Operator):
 
     def show(self, context: bpy.types.Context, folder: Path) -> None:
         """The scene remembers the folder where that went well."""
-        present_run(context, context.scene, folder)
-        context.scene.cabletwin.run.folder = str(folder)
+        run, whole = context.scene.cabletwin.run, whole_of(folder)
+        run.segment = number_of(folder) or run.segment
+        present_run(context, context.scene, whole)
+        run.folder = str(whole)
 
 
 def present_run(context: bpy.types.Context, scene: bpy.types.Scene, folder: Path) -> None:
-    """Show a run folder in a scene, and look at it.
+    """Show a run folder in a scene, and look at it; of a long survey the segment that the panel asks for.
 
     Raises:
         StageError: there is nothing to show.
@@ -52,7 +55,10 @@ def present_run(context: bpy.types.Context, scene: bpy.types.Scene, folder: Path
         raise StageError(
             "run", f"{folder} is the run of a steel structure", "open it in the panel Steel structure"
         )
-    show_run(scene, folder, preferences(context).cloud_points)
+    shown = chosen(folder, scene.cabletwin.run.segment)
+    show_run(scene, shown, preferences(context).cloud_points)
+    scene.cabletwin.results.segments = len(segments_of(folder))
+    scene.cabletwin.run.segment = max(number_of(shown), 1)
     clear_startup(scene)
     show_pictures(context, scene)
     frame(context, scene, MOSAIC, BLOCKS, SPARSE)

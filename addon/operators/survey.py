@@ -183,10 +183,11 @@ class CABLETWIN_OT_survey_lens_to_all(Operator):
     def work(self, context: bpy.types.Context) -> None:
         """Copy each lens property."""
         survey = context.scene.cabletwin.survey
-        shown = survey.block()
+        # a lambda that is set forgets its sigma, also in the block that is copied
+        lens = [(key, getattr(survey.block(), key)) for key in LENS_KEYS]
         for block in survey.blocks:
-            for key in LENS_KEYS:
-                setattr(block, key, getattr(shown, key))
+            for key, value in lens:
+                setattr(block, key, value)
 
 
 def _is_truth_of(path: Path, survey: Survey) -> bool:
@@ -209,7 +210,7 @@ def _present(context: bpy.types.Context) -> None:
 
 LENS_KEYS = (
     *("focal_in", "focal_px", "focal_mm", "sensor_width_mm", "use_principal_point", "principal_point_px"),
-    *("lambda_known", "division_lambda", "lambda_sigma", "lambda_from", "lambda_radius", "calibrated"),
+    *("lambda_known", "division_lambda", "lambda_radius", "lambda_sigma", "lambda_from", "calibrated"),
 )
 
 

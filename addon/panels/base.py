@@ -5,6 +5,7 @@ from types import ModuleType
 import bpy
 
 from ..results.collections import view_layer_collection
+from ..sidebar import TAB
 
 LETTER_PX, MARGIN_PX = 6.6, 50
 """Mean width of a letter, and what a box and an icon take of the sidebar, at scale 1."""
@@ -15,7 +16,7 @@ class Panel(bpy.types.Panel):
 
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
-    bl_category = "CableTwin"
+    bl_category = TAB
     bl_options = {"DEFAULT_CLOSED"}
 
 

@@ -4,6 +4,7 @@ import bpy
 from bpy.app.translations import pgettext_n as n_
 
 from .base import Panel, aligned, sentence
+from .reconstruct import draw_reconstruction
 
 
 class CABLETWIN_PT_crop(Panel):
@@ -14,7 +15,7 @@ class CABLETWIN_PT_crop(Panel):
     bl_order = 5
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Options, preview, apply and reset."""
+        """Options, preview, apply and reset, or the progress of what apply started."""
         scene = context.scene
         crop = scene.cabletwin.crop
         column = aligned(self.layout)
@@ -38,6 +39,8 @@ class CABLETWIN_PT_crop(Panel):
             sentence(self.layout.box(), crop.message, "ERROR")
         if crop.previewing:
             _shares(self.layout.box(), crop)
+        if draw_reconstruction(self.layout, context):
+            return
         row = self.layout.row(align=True)
         row.operator("cabletwin.crop_apply", icon="CHECKMARK")
         row.operator("cabletwin.crop_reset", icon="LOOP_BACK")

@@ -40,6 +40,8 @@ class CABLETWIN_PT_lens(Panel):
         column.prop(block, "lambda_radius")
         _focal(column, block)
         column.prop(block, "lambda_known")
+        if block.sigma_counts():
+            column.prop(block, "lambda_sigma")
         column.prop(block, "calibrated")
         _origin(self.layout, block)
 
@@ -104,10 +106,11 @@ def _focal(column: bpy.types.UILayout, block: CableTwinBlock) -> None:
 def _origin(layout: bpy.types.UILayout, block: CableTwinBlock) -> None:
     """Where lambda comes from and how well it is known; what a run will do with it."""
     column = layout.column(align=True)
-    if block.lambda_sigma > 0:
+    if block.lambda_sigma > 0 and block.lambda_from != "HAND":
         text = translated("From a chessboard") if block.lambda_from == "BOARD" else translated("Estimated")
-        text = f"{text}: {block.division_lambda:.5f} ± {block.lambda_sigma:.5f}"
         column.label(text=text, icon="CHECKMARK", translate=False)
+        figures = f"{block.division_lambda:.5f} ± {block.lambda_sigma:.5f}".replace("-", "−")
+        column.label(text=figures, icon="BLANK1", translate=False)
     if not block.lambda_known:
         column.label(text="Estimated in each run", icon="INFO")
     layout.operator("cabletwin.survey_lens_to_all", icon="DUPLICATE")

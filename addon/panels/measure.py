@@ -121,7 +121,8 @@ class CABLETWIN_PT_measure_truth(Panel):
         _row(box, *(translated(t) for t in (n_("Station"), n_("Truth"), n_("Difference"))))
         for station in results.stations:
             if station.truth_mm >= 0:
-                _row(box, station.name, f"{station.truth_mm:.3f}", f"{station.difference_mm:+.3f}")
+                off = f"{station.difference_mm:+.3f}".replace("-", "−")
+                _row(box, station.name, f"{station.truth_mm:.3f}", off)
         _figure(self.layout, translated("Mean absolute error"), f"{results.mean_absolute_error_mm:.3f} mm")
 
 
@@ -211,11 +212,13 @@ def _figure(layout: bpy.types.UILayout, name: str, text: str) -> None:
     right.label(text=text, translate=False)
 
 
-def _row(layout: bpy.types.UILayout, first: str, *others: str) -> None:
-    row = layout.row()
+def _row(layout: bpy.types.UILayout, first: str, second: str, third: str) -> None:
+    row = layout.split(factor=0.36)
     row.label(text=first, translate=False)
-    for text in others:
-        cell = row.row()
+    # a row would give each column what its text needs, so that a heading stands beside its figures
+    cells = row.split(factor=0.44)
+    for text in (second, third):
+        cell = cells.row()
         cell.alignment = "RIGHT"
         cell.label(text=text, translate=False)
 

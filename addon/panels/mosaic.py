@@ -7,6 +7,7 @@ from bpy.app.translations import pgettext_n as n_
 from ..hand_pairs import outdated
 from ..properties.mosaic import CableTwinMosaic
 from .base import Panel, RowList, sentence
+from .reconstruct import draw_reconstruction
 
 
 class CABLETWIN_UL_pairs(RowList):
@@ -66,7 +67,8 @@ class CABLETWIN_PT_mosaic(Panel):
             row.operator("cabletwin.mosaic_close", icon="MESH_CIRCLE")
         if mosaic.joins:
             _joins(self.layout.box(), mosaic)
-        self.layout.operator("cabletwin.mosaic_apply", icon="CHECKMARK")
+        if not draw_reconstruction(self.layout, context):
+            self.layout.operator("cabletwin.mosaic_apply", icon="CHECKMARK")
 
 
 def _blocks(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:

@@ -42,12 +42,21 @@ class CABLETWIN_PT_reconstruct(Panel):
             self.layout.operator("cabletwin.reconstruct_log", icon="TEXT")
 
 
+def draw_reconstruction(layout: bpy.types.UILayout, context: bpy.types.Context) -> bool:
+    """The progress of a reconstruction that another panel started; False where none runs."""
+    job = context.window_manager.cabletwin_job
+    if not (job.running and job.kind == "reconstruct"):
+        return False
+    draw_progress(layout, job)
+    return True
+
+
 def draw_progress(
     layout: bpy.types.UILayout, job: bpy.types.PropertyGroup, names: Mapping[str, str] = _STAGE_NAMES
 ) -> None:
     """A bar with stage, by its name, and time left, and the way to stop."""
     stage = translated(names.get(job.stage, job.stage)) if job.stage else translated("Starting")
-    where = f"{stage} · {job.block}" if job.block else stage
+    where = " · ".join(word for word in (stage, job.part, job.block) if word)
     layout.progress(factor=job.fraction, text=f"{round(100 * job.fraction)} %  {where}", type="BAR")
     row = layout.row()
     if job.cancelling:

@@ -4,7 +4,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as translated
 
 from ..results import collections
-from .base import Panel, eyes, sentence
+from .base import Panel, aligned, eyes, sentence
 
 
 class CABLETWIN_PT_results(Panel):
@@ -23,6 +23,10 @@ class CABLETWIN_PT_results(Panel):
         again = row.row(align=True)
         again.enabled = bool(scene.cabletwin.run.folder)
         again.operator("cabletwin.results_open", text="Reload", icon="FILE_REFRESH")
+        if results.segments > 1:
+            row = aligned(self.layout).row()
+            row.prop(scene.cabletwin.run, "segment")
+            row.label(text=f"/ {results.segments}", translate=False)
         if not results.blocks:
             self.layout.label(text="Nothing is shown yet", icon="INFO")
             return

@@ -31,6 +31,13 @@ def _lambda_by_hand(self: bpy.types.PropertyGroup, context: bpy.types.Context) -
     redraw_lens(self, context)
 
 
+def _unit_by_hand(self: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    if self.lambda_from == "HAND":
+        redraw_lens(self, context)
+    else:  # what was found is another lens in another unit
+        _lambda_by_hand(self, context)
+
+
 def _pos_named(self: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
     self.pos_from = "CSV" if self.pos else "TRAVEL"
 
@@ -80,7 +87,10 @@ class BlockLens:
     division_lambda: shared.division_lambda(0.0, _lambda_by_hand)
     lambda_sigma: bpy.props.FloatProperty(
         name="Sigma of lambda",
-        description="Standard deviation of lambda where it was estimated or calibrated, else 0",
+        description="Standard deviation of lambda; 0 where none is stated: then it counts as a rough value",
+        min=0,
+        soft_max=0.1,
+        step=0.01,
         precision=5,
     )
     lambda_from: bpy.props.EnumProperty(
@@ -92,10 +102,14 @@ class BlockLens:
             ("BOARD", "Chessboard", "Calibrated from pictures of a chessboard"),
         ),
     )
-    lambda_radius: shared.lambda_radius(redraw_lens)
+    lambda_radius: shared.lambda_radius(_unit_by_hand)
     calibrated: bpy.props.BoolProperty(
         name="Calibrated", description="Focal length and lambda are trusted; else they are starting values"
     )
+
+    def sigma_counts(self) -> bool:
+        """Whether a sigma of lambda is saved: a lambda that is unknown, or trusted, has none."""
+        return self.lambda_known and not self.calibrated
 
 
 class CableTwinBlock(BlockLens, bpy.types.PropertyGroup):

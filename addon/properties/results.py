@@ -1,11 +1,16 @@
 """What the panels show of a run that was opened: filled once, when it is opened, and never while drawing."""
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import bpy
 
 if TYPE_CHECKING:
     from pipeline.opened import OpenedRun
+
+
+FIGURES = ("position_m", "diameter_mm", "sigma_mm", "min_mm", "max_mm", "coverage_deg")
+"""Of a station, as the report names them."""
 
 
 class CableTwinBlockResult(bpy.types.PropertyGroup):
@@ -36,6 +41,7 @@ class CableTwinResults(bpy.types.PropertyGroup):
     """The run that the scene shows."""
 
     folder: bpy.props.StringProperty(subtype="DIR_PATH")
+    segments: bpy.props.IntProperty(description="How many segments the run has; 0 where it was not cut")
     finished: bpy.props.BoolProperty(description="The report is there")
     blocks: bpy.props.CollectionProperty(type=CableTwinBlockResult)
     block_index: bpy.props.IntProperty(name="Block", description="The block that is shown")
@@ -62,6 +68,7 @@ class CableTwinResults(bpy.types.PropertyGroup):
                 item.division_lambda = block.orientation.lens.division_lambda
                 item.adjustment = adjustment_stamp(block.orientation)
         self._take_stations(run)
+        self._take_elsewhere(report.get("stations", ()))
         self._take_truth(report.get("truth") or {})
         self.warnings = "\n".join(report.get("warnings", ()))
 
@@ -70,9 +77,19 @@ class CableTwinResults(bpy.types.PropertyGroup):
         for section in run.measurement.sections if run.measurement else ():
             item = self.stations.add()
             item.name = section.name
-            for key in ("position_m", "diameter_mm", "sigma_mm", "min_mm", "max_mm", "coverage_deg"):
+            for key in FIGURES:
                 setattr(item, key, getattr(section, key))
         self.station_index = min(self.station_index, max(len(self.stations) - 1, 0))
+
+    def _take_elsewhere(self, rows: Iterable[dict]) -> None:
+        """Stations of a long survey that other segments measured, from the report on the whole."""
+        known = {item.name for item in self.stations}
+        for row in rows:
+            if row["name"] not in known:
+                item = self.stations.add()
+                item.name = row["name"]
+                for key in FIGURES:
+                    setattr(item, key, row[key])
 
     def _take_truth(self, truth: dict) -> None:
         self.has_truth = bool(truth.get("stations"))

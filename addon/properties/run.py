@@ -30,6 +30,12 @@ class CableTwinRun(bpy.types.PropertyGroup):
         description="Where the results go; a run that was interrupted there goes on",
         subtype="DIR_PATH",
     )
+    segment: bpy.props.IntProperty(
+        name="Segment",
+        description="Which segment of a long survey is shown, from 1; Reload shows another one",
+        default=1,
+        min=1,
+    )
     start: bpy.props.EnumProperty(
         name="From",
         description="Make this stage and all after it again",

@@ -1,4 +1,4 @@
-"""Marks of the pairs on the block meshes: small balls with their numbers."""
+"""Marks of the pairs on the block meshes: small balls, numbered 1 and 1′ as homologous points are."""
 
 import bmesh
 import bpy
@@ -9,6 +9,8 @@ from .materials import plain_material
 from .picking import block_objects
 
 RADIUS_M = 0.001
+APART_M = 0.01
+"""Nearer partners share one number."""
 COLOURS = (
     (1.0, 0.45, 0.0, 1.0),
     (0.1, 0.6, 1.0, 1.0),
@@ -24,8 +26,11 @@ def show_marks(scene: bpy.types.Scene) -> None:
     """Draw all pairs of the scene anew."""
     target = collections.emptied(scene, collections.PAIRS)
     for number, pair in enumerate(scene.cabletwin.mosaic.pairs):
-        for block, point in ((pair.block_a, pair.point_a), (pair.block_b, pair.point_b)):
-            _mark(scene, target, number, block, Vector(point))
+        first = _mark(scene, target, number, pair.block_a, Vector(pair.point_a))
+        second = _mark(scene, target, number, pair.block_b, Vector(pair.point_b), partner=True)
+        if first and second:  # one number over the other is neither
+            apart_m = (second.matrix_world.translation - first.matrix_world.translation).length
+            second.show_name = apart_m > APART_M
 
 
 def show_pending(scene: bpy.types.Scene, block: str, point: Vector) -> None:
@@ -35,18 +40,26 @@ def show_pending(scene: bpy.types.Scene, block: str, point: Vector) -> None:
 
 
 def _mark(
-    scene: bpy.types.Scene, target: bpy.types.Collection, number: int, block: str, point: Vector
-) -> None:
+    scene: bpy.types.Scene,
+    target: bpy.types.Collection,
+    number: int,
+    block: str,
+    point: Vector,
+    *,
+    partner: bool = False,
+) -> bpy.types.Object | None:
     parent = block_objects(scene).get(block)
     if parent is None:
-        return
+        return None
     colour = COLOURS[number % len(COLOURS)]
-    made = bpy.data.objects.new(f"{number + 1} · {block}", _ball(number % len(COLOURS), colour))
+    name = f"{number + 1}′" if partner else f"{number + 1}"
+    made = bpy.data.objects.new(name, _ball(number % len(COLOURS), colour))
     # not its child: Blender would draw a line from each mark to the origin
     made.matrix_world = Matrix.LocRotScale(parent.matrix_world @ point, None, (RADIUS_M,) * 3)
     made.show_name = made.show_in_front = made.hide_select = True
     made["cabletwin_pair"], made["cabletwin_block"] = number, block
     target.objects.link(made)
+    return made
 
 
 def _ball(number: int, colour: tuple[float, float, float, float]) -> bpy.types.Mesh:

@@ -6,8 +6,9 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from pipeline.opened import OpenedBlock, OpenedRun, open_run
+from pipeline.opened import OpenedBlock, OpenedRun
 
+from ..segments import read_run
 from . import collections
 from .cameras import camera_objects
 from .clouds import cloud_object
@@ -32,7 +33,7 @@ def show_run(scene: bpy.types.Scene, folder: Path, most_points: int) -> OpenedRu
     Raises:
         StageError: there is nothing to show.
     """
-    run = open_run(folder)
+    run = read_run(folder)
     end_preview(scene)
     _show_blocks(scene, run, most_points)
     _show_mosaic(scene, run, most_points)
@@ -49,10 +50,10 @@ def show_run(scene: bpy.types.Scene, folder: Path, most_points: int) -> OpenedRu
 
 def show_measurement(scene: bpy.types.Scene, run: OpenedRun) -> None:
     """What was measured on a surface that is there already: stations, deviation, the panels' figures."""
+    scene.cabletwin.results.take(run)
     show_stations(scene, run)
     show_marks(scene)
     attach_deviation(scene, run)
-    scene.cabletwin.results.take(run)
 
 
 def _show_blocks(scene: bpy.types.Scene, run: OpenedRun, most_points: int) -> None:

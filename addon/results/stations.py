@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from ..properties.measure import SAME_PLACE_M
+from ..properties.measure import SAME_PLACE_M, measured_at
 from . import collections
 from .materials import plain_material
 
@@ -45,17 +45,22 @@ def refresh_stations(scene: bpy.types.Scene) -> None:
     wanted = [s.position for s in scene.cabletwin.survey.stations]
     known = []
     for item in list(target.objects):
-        if item.get("cabletwin_provisional"):
+        if item.get("cabletwin_provisional") or item.get("cabletwin_elsewhere"):
             collections.remove(item)
             continue
         here = item["cabletwin_position_m"]
         known.append(here)
         item.hide_viewport = bool(wanted) and all(abs(here - y) > SAME_PLACE_M for y in wanted)
     for station in scene.cabletwin.survey.stations:
-        if all(abs(here - station.position) > SAME_PLACE_M for here in known):
-            diameter_mm, centre_mm = provisional_mm(scene, station.position)
-            station.provisional_mm = diameter_mm if math.isfinite(diameter_mm) else 0.0
-            target.objects.link(_provisional(scene, station, centre_mm))
+        if any(abs(here - station.position) <= SAME_PLACE_M for here in known):
+            continue
+        found = measured_at(scene.cabletwin.results, station.position)
+        if found is not None:
+            target.objects.link(_elsewhere(found))
+            continue
+        diameter_mm, centre_mm = provisional_mm(scene, station.position)
+        station.provisional_mm = diameter_mm if math.isfinite(diameter_mm) else 0.0
+        target.objects.link(_provisional(scene, station, centre_mm))
 
 
 def redraw_sections(scene: bpy.types.Scene) -> None:
@@ -81,11 +86,23 @@ def provisional_mm(scene: bpy.types.Scene, position_m: float) -> tuple[float, tu
 
 def _label(section: "Section") -> bpy.types.Object:
     """The mean circle with the figure above it."""
-    centre = (float(section.centre_mm[0]), float(section.centre_mm[1]))
-    text = f"{section.name}  {section.diameter_mm:.3f} ± {section.sigma_mm:.3f} mm"
-    made = _circle(section.name, section.position_m, section.diameter_mm, centre, _QUIET)
+    return _labelled(section, (float(section.centre_mm[0]), float(section.centre_mm[1])))
+
+
+def _elsewhere(station: bpy.types.PropertyGroup) -> bpy.types.Object:
+    """The same of a station that another segment of a long survey measured: its section is not at hand."""
+    made = _labelled(station, (0.0, 0.0))
+    made["cabletwin_elsewhere"] = True
+    return made
+
+
+def _labelled(
+    station: "Section | bpy.types.PropertyGroup", centre_mm: tuple[float, float]
+) -> bpy.types.Object:
+    text = f"{station.name}  {station.diameter_mm:.3f} ± {station.sigma_mm:.3f} mm"
+    made = _circle(station.name, station.position_m, station.diameter_mm, centre_mm, _QUIET)
     made["cabletwin_label"] = text
-    made["cabletwin_diameter_mm"], made["cabletwin_sigma_mm"] = section.diameter_mm, section.sigma_mm
+    made["cabletwin_diameter_mm"], made["cabletwin_sigma_mm"] = station.diameter_mm, station.sigma_mm
     return made
 
 

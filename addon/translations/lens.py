@@ -43,8 +43,8 @@ ZH = {
     "Inner corners": "内角点数",
     "Inner corners of the board, along and across": "棋盘格的内角点数：横向与纵向",
     "Sigma of lambda": "λ 的中误差",
-    "Standard deviation of lambda where it was estimated or calibrated, else 0": (
-        "λ 的标准差（由估计或检校得到），否则为 0"
+    "Standard deviation of lambda; 0 where none is stated: then it counts as a rough value": (
+        "λ 的标准差；未给出时为 0，此时 λ 只作粗略初值"
     ),
     "Lambda from": "λ 来源",
     "Where lambda came from": "λ 的来源",

@@ -1,6 +1,7 @@
 """The area *Reconstruct*: settings, progress, and the names of the stages."""
 
 ZH = {
+    "Segment of a long survey, such as 2/5": "长测量项目的分段，如 2/5",
     "A job is running": "有任务正在运行",
     "Cancelled: what is finished is kept": "已取消：已完成的部分保留",
     "Reconstruct": "重建",

@@ -8,6 +8,11 @@ ZH = {
     "Choose a run folder and show what it holds": "选择结果文件夹并显示其内容",
     "Open Folder": "打开文件夹",
     "Reload": "重新载入",
+    "Segment": "分段",
+    "Which segment of a long survey is shown, from 1; Reload shows another one": (
+        "显示长测量项目的哪一分段，从 1 起；按“重新载入”显示另一分段"
+    ),
+    "How many segments the run has; 0 where it was not cut": "结果的分段数；未分段时为 0",
     "Nothing is shown yet": "尚未显示任何成果",
     "{} of {}": "{} / {}",
     "Error (px)": "误差 (px)",

@@ -55,12 +55,13 @@ def estimate_lens(
 
 
 def solution_lines(found: LensSolution) -> str:
-    """What to write under ``[block.lens]`` of survey.toml, with the standard deviation as a remark."""
+    """What to write under ``[block.lens]`` of survey.toml."""
     lens, fit = found.lens, found.plumb_lines
     lines = [
         "[block.lens]",
         f"focal_px = {lens.focal_px:g}  # as stated",
-        f"division_lambda = {lens.division_lambda:.6g}  # standard deviation {lens.lambda_sigma:.2g}",
+        f"division_lambda = {lens.division_lambda:.6g}",
+        f"lambda_sigma = {lens.lambda_sigma:.2g}",
         f'lambda_radius = "{lens.lambda_radius}"',
     ]
     if fit is not None:

@@ -179,6 +179,16 @@ def _check_lens(block: Block) -> None:
         raise _error(
             f"{key} has no focal length", f"give {key}.focal_px, or focal_mm together with sensor_width_mm"
         )
+    if lens.lambda_sigma is not None and lens.division_lambda is None:
+        raise _error(
+            f"{key}.lambda_sigma is given without the {key}.division_lambda whose standard deviation it is",
+            "give division_lambda too, or leave lambda_sigma out",
+        )
+    if lens.lambda_sigma is not None and lens.calibrated:
+        raise _error(
+            f"{key}.lambda_sigma is given, but {key}.calibrated = true trusts lambda without any error",
+            "leave one of them out",
+        )
 
 
 def _check_files(block: Block) -> None:

@@ -18,7 +18,7 @@ FOCAL_SIGMA = 0.03
 """Standard deviation of a focal length that is only a starting value, relative."""
 
 LAMBDA_SIGMA = 0.02
-"""Standard deviation of a given but untrusted lambda, for the half diagonal as radius."""
+"""Standard deviation of a lambda that is given without one and untrusted, for the half diagonal as radius."""
 
 UNKNOWN_LAMBDA_SIGMA = 0.15
 """Standard deviation of a lambda of which nothing is known, for the half diagonal as radius."""
@@ -76,6 +76,7 @@ class LensSpec:
         focal_mm, sensor_width_mm: focal length and width of the sensor.
         principal_point_px: (x, y) from the top-left corner; None is the image centre.
         division_lambda: of the division model; None is unknown, to be estimated.
+        lambda_sigma: standard deviation of division_lambda, in the same unit; None is not stated.
         lambda_radius: what the radius is measured in.
         calibrated: focal length and lambda are trusted; else they are starting values.
     """
@@ -85,6 +86,7 @@ class LensSpec:
     sensor_width_mm: float | None = field(default=None, metadata={"above": 0.0})
     principal_point_px: tuple[float, float] | None = field(default=None, metadata={"minimum": 0.0})
     division_lambda: float | None = None
+    lambda_sigma: float | None = field(default=None, metadata={"above": 0.0})
     lambda_radius: LambdaRadius = LambdaRadius.HALF_DIAGONAL
     calibrated: bool = False
 
@@ -118,12 +120,10 @@ class LensSpec:
             division.check(lens)
         except StageError as error:
             raise StageError("survey", f"{key}: {error.cause}", error.remedy) from error
-        # lambda r^2 / unit^2 is the same whatever the unit: carry the sigma over from the half diagonal
-        per_half_diagonal = (division.radius_unit_px(lens) / (hypot(width_px, height_px) / 2)) ** 2
         return replace(
             lens,
             focal_sigma_px=0.0 if self.calibrated else FOCAL_SIGMA * lens.focal_px,
-            lambda_sigma=self._lambda_sigma() * per_half_diagonal,
+            lambda_sigma=self._lambda_sigma(lens),
         )
 
     def _focal_px(self, width_px: int) -> float:
@@ -133,10 +133,16 @@ class LensSpec:
             raise StageError("survey", "a lens has no focal length", "give focal_px")
         return self.focal_mm / self.sensor_width_mm * width_px
 
-    def _lambda_sigma(self) -> float:
-        if self.division_lambda is None:
-            return UNKNOWN_LAMBDA_SIGMA
-        return 0.0 if self.calibrated else LAMBDA_SIGMA
+    def _lambda_sigma(self, lens: Lens) -> float:
+        """In the lens's own unit, as lambda itself."""
+        known = self.division_lambda is not None
+        if known and self.calibrated:
+            return 0.0
+        if known and self.lambda_sigma is not None:
+            return self.lambda_sigma
+        # lambda r^2 / unit^2 is the same whatever the unit: carry the sigma over from the half diagonal
+        per_half_diagonal = (division.radius_unit_px(lens) / (hypot(lens.width_px, lens.height_px) / 2)) ** 2
+        return (LAMBDA_SIGMA if known else UNKNOWN_LAMBDA_SIGMA) * per_half_diagonal
 
 
 @dataclass(frozen=True, kw_only=True)

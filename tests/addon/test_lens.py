@@ -135,12 +135,52 @@ def test_lambda_is_estimated_as_the_library_estimates_it(state, survey_file):
     found = estimate(survey, "Block1", frames.FrameOptions(), lens.LensOptions()).lens
     assert block.division_lambda == pytest.approx(found.division_lambda, rel=1e-6)
     assert block.lambda_sigma == pytest.approx(found.lambda_sigma, rel=1e-6)
-    assert (block.lambda_from, block.lambda_known) == ("EDGES", False)
+    assert (block.lambda_from, block.lambda_known) == ("EDGES", True)
     assert block.division_lambda == pytest.approx(-0.04, abs=0.004)
     assert (state.survey.blocks[1].division_lambda, state.survey.blocks[1].lambda_from) == (0.0, "HAND")
     bpy.ops.cabletwin.survey_lens_to_all()
-    assert state.survey.blocks[1].lambda_sigma == block.lambda_sigma
+    assert state.survey.blocks[1].lambda_sigma == block.lambda_sigma > 0
     block.division_lambda = -0.03
+    assert (block.lambda_sigma, block.lambda_from) == (0.0, "HAND")
+
+
+def test_an_estimate_keeps_its_sigma_in_the_file_and_in_what_a_run_starts_from(state, tmp_path):
+    assert bpy.ops.cabletwin.lens_estimate() == {"FINISHED"}
+    block, path = state.survey.blocks[0], tmp_path / "kept.toml"
+    found, sigma = block.division_lambda, block.lambda_sigma
+    assert bpy.ops.cabletwin.survey_save(filepath=str(path)) == {"FINISHED"}
+    read = library("pipeline.cable.survey").read_survey(path).blocks[0]
+    assert read.lens_spec.lambda_sigma == pytest.approx(sigma, rel=1e-6)
+    assert read.lens(320, 200).lambda_sigma == read.lens_spec.lambda_sigma < 0.005
+    assert read.lens_spec.division_lambda == pytest.approx(found, rel=1e-6)
+    assert bpy.ops.cabletwin.survey_open(filepath=str(path)) == {"FINISHED"}
+    assert state.survey.blocks[0].lambda_sigma == pytest.approx(sigma, rel=1e-6)
+    assert library("gather").gather_survey(bpy.context.scene).blocks[0] == read  # to the last digit
+    assert bpy.ops.cabletwin.lens_estimate() == {"FINISHED"}  # a second look is as good as the first
+    assert state.survey.blocks[0].lambda_sigma == pytest.approx(sigma, rel=1e-4)
+
+
+def test_a_trusted_focal_length_leaves_the_estimate_to_each_run(state):
+    block = state.survey.blocks[0]
+    block.calibrated = True
+    assert bpy.ops.cabletwin.lens_estimate() == {"FINISHED"}
+    assert (block.lambda_from, block.lambda_known) == ("EDGES", False)
+    lens = library("gather").lens_values(block)
+    assert (lens["division_lambda"], lens["lambda_sigma"], lens["calibrated"]) == (None, None, True)
+
+
+def test_a_sigma_is_typed_and_forgotten_with_what_it_belonged_to(state):
+    block, lens_values = state.survey.blocks[0], library("gather").lens_values
+    block.lambda_known, block.calibrated = True, False
+    assert lens_values(block)["lambda_sigma"] is None
+    block.lambda_sigma = 0.004
+    assert lens_values(block)["lambda_sigma"] == pytest.approx(0.004)
+    block.lambda_radius = "half-width"  # typed: it was meant in that unit
+    assert lens_values(block)["lambda_sigma"] == pytest.approx(0.004)
+    block.calibrated = True
+    assert lens_values(block)["lambda_sigma"] is None
+    block.calibrated, block.lambda_from = False, "EDGES"
+    block.lambda_radius = "half-diagonal"  # found in the other unit
     assert (block.lambda_sigma, block.lambda_from) == (0.0, "HAND")
 
 

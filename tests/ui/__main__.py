@@ -68,10 +68,22 @@ def _survey(runs: dict[str, Path | None]) -> Path:
     for file in rendered.iterdir():
         if file.is_file():
             shutil.copy(file, copy)
+    _draw_board(copy / "board")
     for name, run in runs.items():
         if run is not None:
             shutil.copytree(run, copy / name)
     return copy
+
+
+def _draw_board(folder: Path) -> None:
+    """Pictures of a chessboard through a known lens."""
+    import cv2
+
+    from tests.cable.test_chessboard import POSES, draw_board
+
+    folder.mkdir()
+    for number, (turn, shift) in enumerate(POSES):
+        cv2.imwrite(str(folder / f"view{number}.png"), draw_board(turn, shift))
 
 
 def _call(*words: object) -> None:

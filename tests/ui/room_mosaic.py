@@ -1,4 +1,4 @@
-"""A mark on one block, its partner on the next, both by a click on the mesh; then the fit."""
+"""A mark on one block, its partner on the next, both by a click on the mesh; the fit; the ring closed."""
 
 import math
 
@@ -13,6 +13,7 @@ LEFT, RIGHT = (0.28,), (0.62,)
 """Shares of the sidebar's width at which the two halves of a row lie."""
 MARKS_M = (0.10, 0.20)
 """Positions along the cable of the marks that are picked."""
+SEAMS = 4
 
 
 def pick_pairs(person: Person) -> Steps:
@@ -45,10 +46,26 @@ def pick_pairs(person: Person) -> Steps:
     assert max(p.residual_mm for p in state().mosaic.pairs) < 0.3
     yield from person.shot("13-mosaic-fit")
     yield from person.press("cabletwin.mosaic_show_all")
+    yield from close_the_ring(person)
     yield from person.until(
         lambda: person.press("mosaic.way", columns=LEFT), lambda: state().mosaic.way == "AUTOMATIC"
     )
     yield from person.panel("mosaic")
+
+
+def close_the_ring(person: Person) -> Steps:
+    """The three other seams get a pair each that was found, and all four are fitted at once."""
+    yield from person.press("cabletwin.mosaic_close", columns=(0.75,))
+    yield from person.wait_for(lambda: len(state().mosaic.joins) == SEAMS, 30)
+    mosaic = state().mosaic
+    assert [p.found for p in mosaic.pairs] == [False] * len(MARKS_M) + [True] * (len(mosaic.pairs) - 2)
+    assert {frozenset((p.block_a, p.block_b)) for p in mosaic.pairs} == {
+        frozenset((j.block_a, j.block_b)) for j in mosaic.joins
+    }
+    assert max(p.residual_mm for p in mosaic.pairs) < 0.3, [p.residual_mm for p in mosaic.pairs]
+    yield from person.over(y=0.9)
+    yield 1.0
+    yield from person.shot("13-mosaic-closed")
 
 
 def on_screen(person: Person, block: str, azimuth_deg: float, y_m: float) -> tuple[float, float]:

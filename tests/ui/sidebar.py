@@ -17,6 +17,9 @@ PANELS = (
 HEAD_TOP_PX, HEAD_PX = 14, 28
 """Place of the first panel's head below the sidebar's top, and height of a closed panel, at scale 1."""
 
+SUB_HEADS = 0.79
+"""Height of a closed panel inside another one, in heights of a panel's head."""
+
 COLUMNS = (0.5, 0.25, 0.75, 0.9)
 """Shares of a region's width at which a button is looked for."""
 
@@ -59,11 +62,11 @@ class Person(Driver):
         yield from self.click(region.x + 60 * scale, top - HEAD_PX * scale * PANELS.index(name))
         yield 0.5
 
-    def open_below(self, what: str, columns: tuple[float, ...]) -> Steps:
-        """Open the closed panel whose head follows a panel's last field."""
+    def open_below(self, what: str, columns: tuple[float, ...], number: int = 0) -> Steps:
+        """Click the head that follows a panel's last field, or one of the closed panels' after it."""
         _, y = yield from self.find(what, columns)
         region, scale = self.region(), bpy.context.preferences.system.ui_scale
-        yield from self.click(region.x + 80 * scale, y - 1.15 * HEAD_PX * scale)
+        yield from self.click(region.x + 80 * scale, y - (1.15 + SUB_HEADS * number) * HEAD_PX * scale)
         yield 0.5
 
     def press(self, what: str, columns: tuple[float, ...] = COLUMNS, **where: str) -> Steps:

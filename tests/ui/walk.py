@@ -2,7 +2,8 @@
 
 Takes the folder of a rendered survey, one for pictures, and the rooms to walk through (none: all).  With a
 finished run in SURVEY/run, "opened" and the rooms behind the reconstruction can be walked alone; "steel"
-wants a run of a steel structure in SURVEY/steel.  Runs inside Blender.
+wants a run of a steel structure in SURVEY/steel, and "segments" one that was cut in SURVEY/run.  Runs inside
+Blender.
 """
 
 import os
@@ -13,6 +14,7 @@ from pathlib import Path
 import bpy
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import room_board
 import room_export
 import room_library
 import room_measure
@@ -70,9 +72,20 @@ def run() -> Steps:
 
 
 def results() -> Steps:
-    """What was found, and what a smaller angle would cut away."""
+    """What was found."""
     yield from room_results.look(person)
+
+
+def crop() -> Steps:
+    """What a smaller angle would cut away, and another one applied."""
     yield from room_results.preview_a_crop(person)
+    yield from room_results.apply_a_crop(person)
+
+
+def segments() -> Steps:
+    """A run of a long survey that lies beside it: one segment after the other."""
+    yield from opened()
+    yield from room_results.another_segment(person)
 
 
 def library() -> Steps:
@@ -92,11 +105,13 @@ DOORS = {
     "survey": survey,
     "run": run,
     "results": results,
+    "crop": crop,
     "mosaic": lambda: room_mosaic.pick_pairs(person),
-    "measure": lambda: room_measure.measure_a_station(person),
+    "measure": lambda: room_measure.measure_a_station(person, Path(SURVEY) / "truth.json"),
     "export": lambda: room_export.export(person, Path(OUT) / "exported"),
+    "board": lambda: room_board.read_a_chessboard(person, Path(SURVEY) / "board"),
 }
-ALONE = {"rendered": rendered, "opened": opened, "library": library, "steel": steel}
+ALONE = {"rendered": rendered, "opened": opened, "segments": segments, "library": library, "steel": steel}
 
 
 def end(error: BaseException | None) -> None:

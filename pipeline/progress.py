@@ -44,6 +44,8 @@ ADJUSTED = "undistort"
 
 SETTLE_S = 2.0
 """Nothing is foretold before."""
+LEAST_SHARE = 1e-4
+"""Of the work; of a run that was resumed and has made nothing yet, only rounding is left."""
 
 
 class Progress:
@@ -106,7 +108,7 @@ class Progress:
         done = before + part * self._shares[event.stage]
         self.fraction = max(self.fraction, done / whole)
         passed, made = now - self._began, done - self._skipped
-        if passed >= SETTLE_S and made > 0:
+        if passed >= SETTLE_S and made > LEAST_SHARE * whole:
             self.seconds_left = passed / made * (whole - done)
 
     def _work(self, stage: str, segment: int) -> tuple[float, float]:

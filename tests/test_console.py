@@ -210,3 +210,15 @@ def test_the_bar_counts_segments_and_times_each_stage_of_each(monkeypatch, clock
     lines = stream.getvalue().splitlines()
     assert "match      2/3    1.6 s" in lines
     assert "dense      3/3    1.5 s" in lines
+
+
+def test_a_resumed_run_foretells_nothing_before_it_makes_something(clock):
+    progress = Progress(BLOCKS)
+    for stage in list(SHARES)[:11]:
+        clock.now += 0.3
+        progress.take(Event(stage=stage, done=1, total=1))
+    assert progress.seconds_left is None
+    progress.take(Event(stage="crop", done=0, total=2))
+    clock.now += 2.0
+    progress.take(Event(stage="mosaic", done=1, total=2))
+    assert progress.seconds_left is not None

@@ -12,9 +12,9 @@ from pipeline.cable import broad
 from pipeline.cable.adjust import Orientation
 from pipeline.cable.dense_records import DenseOptions, RadiusMap
 from pipeline.cable.start_surface import edge_keeping_start, smooth_start
-from pipeline.cable.strips import Strips, SweepPass
+from pipeline.cable.strips import Strips
 from pipeline.cable.surface_view import Image, SweepGrid
-from pipeline.cable.sweep import SweepResult
+from pipeline.cable.sweep import SweepPass, SweepResult
 from pipeline.core.axis import axis_of_cylinder
 from pipeline.core.errors import StageError
 from pipeline.core.events import Emit

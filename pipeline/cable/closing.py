@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cable.adjust import Orientation
-from pipeline.cable.sheets import Gray
+from pipeline.cable.sheets import Filmed
 from pipeline.cable.surface import BlockSurface
 from pipeline.cable.texture import TextureOptions, UnrolledPicture, texture_block
 from pipeline.cable.tracking import Tracker, TrackOptions
@@ -183,19 +183,15 @@ def _unroll(block: ClosingBlock, options: ClosingOptions, emit: Emit) -> _Unroll
     picture = texture_block(
         block.frames, orientation, surface, options.cell_mm, choice, _telling(block, part(emit, 0.0, 0.5))
     )
-
-    def read(frame: int) -> Gray:
-        return read_grey(block.frames.files[frame], "closing")
-
-    tracker = Tracker(
-        read,
-        orientation.lens,
-        orientation.poses,
-        block.azimuth_deg,
-        (surface.axis, cylinder.radius),
-        options.track,
+    filmed = Filmed(
+        read=lambda frame: read_grey(block.frames.files[frame], "closing"),
+        lens=orientation.lens,
+        poses=orientation.poses,
+        azimuth_deg=block.azimuth_deg,
+        axis=surface.axis,
+        radius_m=cylinder.radius,
     )
-    return _Unrolled(block, surface, picture, tracker)
+    return _Unrolled(block, surface, picture, Tracker(filmed, options.track))
 
 
 def _match(a: _Unrolled, b: _Unrolled, options: ClosingOptions, _: Emit) -> Correspondences:

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cable.sheets import Gray
-from pipeline.cable.tracking import Track, Tracker, TrackOptions
+from pipeline.cable.sheets import Filmed
+from pipeline.cable.tracking import Tracker, TrackOptions
 from pipeline.core.axis import AxisCurve
 from pipeline.core.division import pixels_to_rays, rays_to_pixels, undistorted_lens
 from pipeline.core.epipolar import (
@@ -32,6 +32,8 @@ from pipeline.core.vocabulary import Array, FrameSequence, Lens, Poses, PosPrior
 
 STRAIGHT = AxisCurve(origin_y_m=0.0, coefficients=np.zeros((2, 1)))
 """The y axis."""
+MOST_PAIRS = 1000
+"""So many pairs, spread evenly, tell the geometry to a tenth of the noise; all are judged by it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,18 +104,16 @@ def match_block(
     Raises:
         StageError: a frame has too little texture to be tied to its neighbours.
     """
-
-    def read(frame: int) -> Gray:
-        return read_grey(frames.files[frame], "match")
-
-    pinhole = undistorted_lens(lens)
-    tracker = Tracker(read, lens, pos.poses, azimuth_deg, (axis, radius_m), options.track)
-    track_part, verify_part = part(emit, 0.0, 0.7), part(emit, 0.7, 1.0)
-    tracks = []
-    for home in range(len(frames)):
-        track_part(Event(stage="match", block=frames.block, done=home, total=len(frames)))
-        tracks.append(tracker.track(home))
-    frame, point, pixels, starts = _merge(tracks)
+    filmed = Filmed(
+        read=lambda frame: read_grey(frames.files[frame], "match"),
+        lens=lens,
+        poses=pos.poses,
+        azimuth_deg=azimuth_deg,
+        axis=axis,
+        radius_m=radius_m,
+    )
+    frame, point, pixels, starts = _tracked(frames, filmed, options.track, part(emit, 0.0, 0.7))
+    pinhole, verify_part = undistorted_lens(lens), part(emit, 0.7, 1.0)
     straightened = rays_to_pixels(pinhole, pixels_to_rays(lens, pixels))
 
     def tell(pair: int, pairs: int) -> None:
@@ -134,7 +134,14 @@ def match_block(
     )
 
 
-def _merge(tracks: list[Track]) -> tuple[NDArray[np.int64], NDArray[np.int64], Array, Array]:
+def _tracked(
+    frames: FrameSequence, filmed: Filmed, options: TrackOptions, emit: Emit
+) -> tuple[NDArray[np.int64], NDArray[np.int64], Array, Array]:
+    """Frame, point and pixels of all measurements, and the points' rough places."""
+    tracker, tracks = Tracker(filmed, options), []
+    for home in range(len(frames)):
+        emit(Event(stage="match", block=frames.block, done=home, total=len(frames)))
+        tracks.append(tracker.track(home))
     offsets = np.cumsum([0, *(len(t.starts) for t in tracks)])[:-1]
     frame = np.concatenate([t.frame for t in tracks])
     point = np.concatenate([t.point + o for t, o in zip(tracks, offsets, strict=True)])
@@ -187,7 +194,8 @@ def _verify(
 def _judge(first: Array, second: Array, options: MatchOptions) -> tuple[Array, NDArray[np.bool_]]:
     """The fundamental matrix of one pair of frames, and which of their common points contradict it."""
     choice = FundamentalOptions(noise_sigma=options.epipolar_px / 2.5, seed=options.seed)
-    F = estimate_fundamental(first, second, choice).F
+    some = np.linspace(0, len(first) - 1, min(len(first), MOST_PAIRS)).astype(int)
+    F = estimate_fundamental(first[some], second[some], choice).F
     return F, ~(reconstruct_projective(F, first, second).residuals_px <= options.epipolar_px)
 
 

@@ -6,6 +6,7 @@ cable, and the relief: the base below what stands proud or is dented, and what d
 fitted to distances, over the closed ring (design, fact 8), never algebraically.
 """
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -17,7 +18,7 @@ from pipeline.cable.relief import Relief, ReliefOptions, find_relief
 from pipeline.cable.ring import Ring
 from pipeline.cable.uncertainty import Spread, Uncertainty
 from pipeline.core.errors import StageError
-from pipeline.core.events import Emit, Event
+from pipeline.core.events import Emit, Event, part
 from pipeline.core.fits.circle import fit_circle
 from pipeline.core.fits.ellipse import fit_ellipse
 from pipeline.core.vocabulary import Array
@@ -133,13 +134,38 @@ def measure_ring(
     """
     cutter = Cutter(blocks, crops, mosaic, ring, options.bin_deg)
     spread = Spread(mosaic, ring, uncertainty, options.bin_deg)
-    steps = len(stations) + 2
-    emit(Event(stage="measure", done=0, total=steps))
     radius_mm = 1000.0 * np.where(ring.measured, ring.radius_m, np.nan).astype(np.float64)
-    relief = find_relief(ring.azimuth, ring.y_m, radius_mm, travel_m, window_mm, relief_options)
+    with ThreadPoolExecutor(1) as beside:
+        told = beside.submit(
+            find_relief, ring.azimuth, ring.y_m, radius_mm, travel_m, window_mm, relief_options
+        )
+        profile_y, profile = _profile(cutter, spread, travel_m, options, part(emit, 0.0, 0.8))
+        relief = told.result()
+    sections, unmeasured = _sections(stations, cutter, spread, relief, options, part(emit, 0.8, 1.0))
+    return Measurement(
+        sections=sections,
+        profile_y_m=profile_y,
+        profile_diameter_mm=profile[:, 0],
+        profile_sigma_mm=profile[:, 1],
+        profile_centre_mm=profile[:, 2:],
+        straightness_mm_per_m=_straightness(profile_y, profile[:, 2:]),
+        unmeasured=unmeasured,
+        relief=relief,
+    )
+
+
+def _sections(
+    stations: tuple[tuple[str, float], ...],
+    cutter: Cutter,
+    spread: Spread,
+    relief: Relief,
+    options: MeasureOptions,
+    emit: Emit,
+) -> tuple[tuple[Section, ...], tuple[str, ...]]:
+    """The sections of all stations that were seen well enough, and the names of the others."""
     sections, unmeasured = [], []
     for number, (name, position) in enumerate(stations):
-        emit(Event(stage="measure", done=number + 1, total=steps))
+        emit(Event(stage="measure", done=number, total=len(stations)))
         cut, here_deg = _station_cut(cutter, position, options)
         if cut.coverage_deg < options.least_coverage_deg:
             unmeasured.append(name)
@@ -151,17 +177,7 @@ def measure_ring(
             "no station was seen well enough to be measured",
             "place stations where the cameras passed, and check angle_deg of every block",
         )
-    profile_y, profile = _profile(cutter, spread, travel_m, options)
-    return Measurement(
-        sections=tuple(sections),
-        profile_y_m=profile_y,
-        profile_diameter_mm=profile[:, 0],
-        profile_sigma_mm=profile[:, 1],
-        profile_centre_mm=profile[:, 2:],
-        straightness_mm_per_m=_straightness(profile_y, profile[:, 2:]),
-        unmeasured=tuple(unmeasured),
-        relief=relief,
-    )
+    return tuple(sections), tuple(unmeasured)
 
 
 def _station_cut(cutter: Cutter, position_m: float, options: MeasureOptions) -> tuple[Cut, float]:
@@ -205,10 +221,14 @@ def _section(name: str, position: float, cut: Cut, spread: Spread, relief: Relie
     )
 
 
-def _profile(cutter: Cutter, spread: Spread, travel_m: float, options: MeasureOptions) -> tuple[Array, Array]:
+def _profile(
+    cutter: Cutter, spread: Spread, travel_m: float, options: MeasureOptions, emit: Emit
+) -> tuple[Array, Array]:
     """Places along the cable (n,), metres, and the rows of the profile there (n, 4)."""
-    y_m = np.arange(0.0, travel_m + 1e-9, options.profile_mm / 1000)
-    rows = [_profile_row(cutter.cut(y, options.profile_mm), spread, options) for y in y_m]
+    y_m, rows = np.arange(0.0, travel_m + 1e-9, options.profile_mm / 1000), []
+    for number, y in enumerate(y_m):
+        emit(Event(stage="measure", done=number, total=len(y_m)))
+        rows.append(_profile_row(cutter.cut(y, options.profile_mm), spread, options))
     return y_m, np.array(rows)
 
 

@@ -25,11 +25,33 @@ Gray = NDArray[np.uint8]
 
 def normalise(image: NDArray[np.uint8] | NDArray[np.float32], radius_px: float) -> Gray:
     """Take out local mean and contrast: 128 + 40 standard deviations, (h, w) uint8."""
-    values = image.astype(np.float32)
-    away = values - cv2.GaussianBlur(values, (0, 0), radius_px)
-    spread = cv2.GaussianBlur(away * away, (0, 0), radius_px)
-    scaled = 128 + 40 * away / np.sqrt(spread + 4.0)
-    return np.rint(np.clip(scaled, 0, 255)).astype(np.uint8)
+    away = image.astype(np.float32)
+    away -= cv2.GaussianBlur(away, (0, 0), radius_px)
+    spread = np.asarray(cv2.GaussianBlur(away * away, (0, 0), radius_px))
+    spread += 4.0
+    cv2.divide(away, np.sqrt(spread, out=spread), away, scale=40)
+    return np.asarray(cv2.add(away, 128.0, dtype=cv2.CV_8U))  # rounds, and stops at 0 and 255
+
+
+@dataclass(frozen=True, kw_only=True)
+class Filmed:
+    """A block's frames, and how they are thought to see the cable.
+
+    Attributes:
+        read: gives the grey original frame k, (h, w) uint8.
+        lens: of the original frames.
+        poses: predicted orientations.
+        azimuth_deg: of the block's camera.
+        axis: of the cable.
+        radius_m: of the cable, roughly.
+    """
+
+    read: Callable[[int], Gray]
+    lens: Lens
+    poses: Poses
+    azimuth_deg: float
+    axis: AxisCurve
+    radius_m: float
 
 
 @dataclass(frozen=True)
@@ -47,11 +69,7 @@ class Sheets:
     rows rise along it, row 0 at y = 0.
 
     Args:
-        read: gives the grey original frame k, (h, w) uint8.
-        lens: of the original frames.
-        poses: predicted orientations.
-        azimuth_deg: of the block's camera.
-        cylinder: axis and rough radius (m) of the cable.
+        filmed: the frames.
         limb_deg: surface further than this from the camera's azimuth is left out...
         margin_px: ...but for so many texels.
         normalise_px: radius of the local mean and contrast.
@@ -64,26 +82,17 @@ class Sheets:
     """
 
     def __init__(
-        self,
-        read: Callable[[int], Gray],
-        lens: Lens,
-        poses: Poses,
-        azimuth_deg: float,
-        cylinder: tuple[AxisCurve, float],
-        *,
-        limb_deg: float,
-        margin_px: float,
-        normalise_px: float,
-        keep: int,
+        self, filmed: Filmed, *, limb_deg: float, margin_px: float, normalise_px: float, keep: int
     ) -> None:
-        self._read, self._lens, self._poses, self._normalise_px = read, lens, poses, normalise_px
-        self._axis, self._radius_m = cylinder
-        self.along_m = poses.centres[:, 1]
-        away = poses.centres - self._axis.at(self.along_m)
-        depth_m = float(np.median(np.hypot(away[:, 0], away[:, 2]))) - self._radius_m
+        self._filmed, self._normalise_px = filmed, normalise_px
+        centres, lens, radius_m = filmed.poses.centres, filmed.lens, filmed.radius_m
+        self.along_m = centres[:, 1]
+        away = centres - filmed.axis.at(self.along_m)
+        depth_m = float(np.median(np.hypot(away[:, 0], away[:, 2]))) - radius_m
         self.texel_m = depth_m / lens.focal_px
-        limb = np.deg2rad(limb_deg) + margin_px * self.texel_m / self._radius_m
-        self._azimuth = np.deg2rad(azimuth_deg) + np.arange(-limb, limb, self.texel_m / self._radius_m)
+        turn = self.texel_m / radius_m
+        limb = np.deg2rad(limb_deg) + margin_px * turn
+        self._azimuth = np.deg2rad(filmed.azimuth_deg) + np.arange(-limb, limb, turn)
         self._reach = int(0.6 * max(lens.width_px, lens.height_px))
         self.width, self.height = len(self._azimuth), 2 * self._reach + 1
         self._keep = keep
@@ -100,21 +109,21 @@ class Sheets:
     def _laid(self, frame: int) -> Sheet:
         first = round(self.along_m[frame] / self.texel_m) - self._reach
         y_m = (first + np.arange(self.height)) * self.texel_m
-        view = SurfaceView(
-            self._lens, self._poses, frame, SweepGrid(axis=self._axis, azimuth=self._azimuth, y_m=y_m)
-        )
-        pixels = view.pixels(np.full((self.height, self.width), self._radius_m, dtype=np.float32))
+        filmed = self._filmed
+        grid = SweepGrid(axis=filmed.axis, azimuth=self._azimuth, y_m=y_m)
+        view = SurfaceView(filmed.lens, filmed.poses, frame, grid)
+        pixels = view.pixels(np.full((self.height, self.width), filmed.radius_m, dtype=np.float32))
         # OpenCV's cubic moves edges by up to 0.05 px, depending on where between the pixels they lie
-        picture = sample(self._read(frame).astype(np.float32), pixels, cv2.INTER_LANCZOS4)
+        picture = sample(filmed.read(frame).astype(np.float32), pixels, cv2.INTER_LANCZOS4)
         seen = view.visible(pixels, 1) > 0
-        filled = np.where(seen, picture, picture[seen].mean() if seen.any() else 0)
-        return Sheet(normalise(filled.astype(np.float32), self._normalise_px), first)
+        np.copyto(picture, cv2.mean(picture, seen.astype(np.uint8))[0], where=~seen)
+        return Sheet(normalise(picture, self._normalise_px), first)
 
     def surface(self, places: Array) -> Array:
         """Points of the cylinder at places (m, 2), (m, 3) metres."""
         azimuth = self._azimuth[0] + places[:, 0] * (self._azimuth[1] - self._azimuth[0])
         y_m = places[:, 1] * self.texel_m
-        return self._axis.roll(azimuth, y_m, np.full(len(places), self._radius_m))
+        return self._filmed.axis.roll(azimuth, y_m, np.full(len(places), self._filmed.radius_m))
 
     def places(self, azimuth: Array, y_m: Array) -> Array:
         """Places (m, 2) of azimuths (m,) in radians and y (m,) in metres."""
@@ -131,5 +140,6 @@ class Sheets:
 
     def pixels(self, frame: int, places: Array) -> Array:
         """Where the places were looked up in the original frame, (m, 2)."""
-        rotation, translation = self._poses.rotations[frame], self._poses.translations[frame]
-        return project(self._lens, self.surface(places) @ rotation.T + translation)
+        poses = self._filmed.poses
+        in_camera = self.surface(places) @ poses.rotations[frame].T + poses.translations[frame]
+        return project(self._filmed.lens, in_camera)

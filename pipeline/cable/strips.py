@@ -5,44 +5,19 @@ what the sweep of every strip found, put together.  Memory: one strip and the fr
 """
 
 from collections import OrderedDict
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cable.adjust import Orientation
-from pipeline.cable.surface_view import Image, SweepGrid
-from pipeline.cable.sweep import FrameReader, SweepResult, sweep_strip
+from pipeline.cable.surface_view import SweepGrid
+from pipeline.cable.sweep import FrameReader, StripFrames, SweepPass, SweepResult, sweep_strip
 from pipeline.core.events import Emit, Event
 from pipeline.core.pictures import read_grey
-from pipeline.core.vocabulary import Array, FrameSequence
+from pipeline.core.vocabulary import FrameSequence
 
 KEPT_FRAMES = 40
-
-
-@dataclass(frozen=True, kw_only=True)
-class SweepPass:
-    """One sweep over the whole block.
-
-    Attributes:
-        grid: the cells, (n, m).
-        start_m: (n, m) radius around which to search.
-        offsets_m: (k,) evenly spaced candidates to add.
-        window: side of the comparison window in cells, odd.
-        blur_px: frames are blurred so much.
-        detail_px: and their brightness is counted from surroundings so wide.
-        baseline_power: frames count with their baseline to this power.
-        along_sight: candidates lie on the lines of sight of the frame that stands nearest.
-    """
-
-    grid: SweepGrid
-    start_m: Image
-    offsets_m: Array
-    window: int
-    blur_px: float
-    detail_px: float
-    baseline_power: float
-    along_sight: bool
 
 
 class Strips:
@@ -68,38 +43,44 @@ class Strips:
         self._passes, self._emit, self._done = passes, emit, 0
         self._along = orientation.poses.centres[:, 1]
         self._grey: OrderedDict[int, NDArray[np.uint8]] = OrderedDict()
+        self._readers: dict[tuple[float, float], FrameReader] = {}
 
     def sweep(self, wanted: SweepPass) -> SweepResult:
         """Sweep once."""
         grid, shape = wanted.grid, wanted.start_m.shape
         fields = ("radius_m", "score", "radius_ahead_m", "radius_behind_m")
         whole = {f: np.full(shape, np.nan, dtype=np.float32) for f in fields}
-        reader = FrameReader(self._read, wanted.blur_px, wanted.detail_px, KEPT_FRAMES)
+        reader = self._reader(wanted.blur_px, wanted.detail_px)
         nearest = np.abs(grid.y_m[:, None] - self._along).argmin(axis=1)
         halo = wanted.window // 2
+        y_m = np.pad(grid.y_m, halo, mode="reflect", reflect_type="odd")
+        start_m = np.pad(wanted.start_m, ((halo, halo), (0, 0)), mode="edge")
         for reference in range(len(self._along)):
             self._tell()
             rows = np.flatnonzero(nearest == reference)
             if not len(rows):
                 continue
-            first, last = max(rows[0] - halo, 0), min(rows[-1] + halo + 1, shape[0])
-            found = sweep_strip(
-                reader,
-                self._orientation.lens,
-                self._orientation.poses,
-                reference,
-                self._neighbours(reference, 1),
-                self._neighbours(reference, -1),
-                SweepGrid(axis=grid.axis, azimuth=grid.azimuth, y_m=grid.y_m[first:last]),
-                wanted.start_m[first:last],
-                wanted.offsets_m,
-                wanted.window,
-                wanted.baseline_power,
-                along_sight=wanted.along_sight,
+            strip = slice(rows[0], rows[-1] + 2 * halo + 1)
+            seen = StripFrames(
+                read=reader,
+                lens=self._orientation.lens,
+                poses=self._orientation.poses,
+                reference=reference,
+                ahead=self._neighbours(reference, 1),
+                behind=self._neighbours(reference, -1),
             )
+            cells = SweepGrid(axis=grid.axis, azimuth=grid.azimuth, y_m=y_m[strip])
+            found = sweep_strip(seen, replace(wanted, grid=cells, start_m=start_m[strip]))
             for name, values in whole.items():
-                values[rows] = getattr(found, name)[rows - first]
+                values[rows] = getattr(found, name)[rows - rows[0] + halo]
         return SweepResult(**whole)
+
+    def _reader(self, blur_px: float, detail_px: float) -> FrameReader:
+        """Frames prepared so; those of the pass before, where it looked at them alike."""
+        held = self._readers.get((blur_px, detail_px))
+        reader = held or FrameReader(self._read, blur_px, detail_px, KEPT_FRAMES)
+        self._readers = {(blur_px, detail_px): reader}
+        return reader
 
     def _tell(self) -> None:
         total = self._passes * len(self._along)

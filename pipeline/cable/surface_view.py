@@ -59,8 +59,8 @@ class SurfaceView:
         """Where the cells lie in the frame, OpenCV's origin (centre of the first pixel).
 
         Args:
-            radius_m: (n, m) of every cell.
-            beside: (3, n, m) to be added to the cells, metres, in the camera frame.
+            radius_m: (n, m) of every cell, or several such at once, (k, n, m).
+            beside: (3, n, m) or (3, k, n, m) to be added to the cells, metres, in the camera frame.
         """
         place = [base + radius_m * out for base, out in zip(self._base, self._outward, strict=True)]
         if beside is not None:

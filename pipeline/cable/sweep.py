@@ -19,11 +19,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cable.surface_view import Image, SurfaceView, SweepGrid, outward_of, sample
+from pipeline.cable.cell_paths import CellPath, Template
+from pipeline.cable.surface_view import Image, SurfaceView, SweepGrid, outward_of
 from pipeline.core.vocabulary import Array, Lens, Poses
 
 LEAST_RISE = 0.1
 """Cosine of the flattest line of sight that is followed as it is: flatter ones see the outline."""
+CELLS_AT_ONCE = 65536
+"""So many cells are looked up in one go, several candidates of a strip: few calls, and all in the cache."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,7 +73,7 @@ class FrameReader:
             if self._blur_px > 0:
                 image = np.asarray(cv2.GaussianBlur(image, (0, 0), self._blur_px), dtype=np.float32)
             if self._detail_px > 0:
-                image = image - np.asarray(cv2.GaussianBlur(image, (0, 0), self._detail_px), dtype=np.float32)
+                image -= np.asarray(cv2.GaussianBlur(image, (0, 0), self._detail_px))
             self._held[frame] = image
             if len(self._held) > self._keep:
                 self._held.popitem(last=False)
@@ -78,60 +81,99 @@ class FrameReader:
         return self._held[frame]
 
 
-def sweep_strip(
-    frames: FrameReader,
-    lens: Lens,
-    poses: Poses,
-    reference: int,
-    ahead: tuple[int, ...],
-    behind: tuple[int, ...],
-    grid: SweepGrid,
-    start_m: Image,
-    offsets_m: Array,
-    window: int,
-    baseline_power: float = 0.0,
-    *,
-    along_sight: bool = False,
-) -> SweepResult:
-    """Sweep one strip of cells.
+@dataclass(frozen=True, kw_only=True)
+class SweepPass:
+    """What is swept: the cells of a whole block or of one strip.
 
-    Args:
-        frames: grey frames.
-        lens: of the frames, distortion included.
-        poses: cam_from_world.
-        reference: the frame that sees the strip best.
-        ahead, behind: frames to compare it with.
-        grid: the strip's cells.
+    Attributes:
+        grid: the cells, (n, m).
         start_m: (n, m) radius around which to search.
         offsets_m: (k,) evenly spaced candidates to add.
         window: side of the comparison window in cells, odd.
+        blur_px: frames are blurred so much.
+        detail_px: and their brightness is counted from surroundings so wide.
         baseline_power: agreements are averaged with the baselines to this power as weights.
         along_sight: a cell's candidates lie on the reference's line of sight through it, not above it; the
             radius is then that of a place as far aside as the start is wrong, times the sight's tangent.
     """
-    reach_m = float(np.abs(offsets_m).max())
-    aside = _aside(poses.centres[reference], grid, start_m) if along_sight else None
 
-    def path(frame: int) -> _Path:
-        return _Path(SurfaceView(lens, poses, frame, grid), start_m, reach_m, aside)
+    grid: SweepGrid
+    start_m: Image
+    offsets_m: Array
+    window: int
+    blur_px: float = 0.0
+    detail_px: float = 0.0
+    baseline_power: float = 0.0
+    along_sight: bool = False
 
-    centre, paths = path(reference), [[path(f) for f in side] for side in (ahead, behind)]
-    baselines_m = np.linalg.norm(poses.centres - poses.centres[reference], axis=1)
-    weights = (baselines_m / max(baselines_m.max(), 1e-9)) ** baseline_power
-    visible = [[p.visible(window) * np.float32(weights[p.frame]) for p in side] for side in paths]
-    seen = centre.visible(window)
-    volumes = np.zeros((2, len(offsets_m), *start_m.shape), dtype=np.float32)
-    template = _Template(centre.sample(frames[reference], 0.0), window)
-    for index, offset in enumerate(offsets_m):
-        if not along_sight:
-            template = _Template(centre.sample(frames[reference], offset), window)
+
+@dataclass(frozen=True, kw_only=True)
+class StripFrames:
+    """The frames that a strip is swept in.
+
+    Attributes:
+        read: grey frames, prepared as the pass wants them.
+        lens: of the frames, distortion included.
+        poses: cam_from_world.
+        reference: the frame that sees the strip best.
+        ahead, behind: frames to compare it with.
+    """
+
+    read: FrameReader
+    lens: Lens
+    poses: Poses
+    reference: int
+    ahead: tuple[int, ...]
+    behind: tuple[int, ...]
+
+
+def sweep_strip(frames: StripFrames, wanted: SweepPass) -> SweepResult:
+    """Sweep one strip of cells.
+
+    Rows nearer to the strip's ends than half a window say nothing: windows there reach into other candidates.
+    """
+    start_m, poses, centre = wanted.start_m, frames.poses, frames.poses.centres[frames.reference]
+    aside = _aside(centre, wanted.grid, start_m) if wanted.along_sight else None
+    reach_m = float(np.abs(wanted.offsets_m).max())
+
+    def path(frame: int) -> CellPath:
+        return CellPath(SurfaceView(frames.lens, poses, frame, wanted.grid), start_m, reach_m, aside)
+
+    reference, paths = (
+        path(frames.reference),
+        [[path(f) for f in side] for side in (frames.ahead, frames.behind)],
+    )
+    baselines_m = np.linalg.norm(poses.centres - centre, axis=1)
+    weights = (baselines_m / max(baselines_m.max(), 1e-9)) ** wanted.baseline_power
+    visible = [[p.visible(wanted.window) * np.float32(weights[p.frame]) for p in side] for side in paths]
+    counts = np.array([np.sum(side, axis=0) if side else np.zeros_like(start_m) for side in visible])
+    volumes = _agreements(frames.read, reference, paths, visible, wanted)
+    found = _peaks(volumes, counts * reference.visible(wanted.window), start_m, wanted.offsets_m)
+    return found if aside is None else _outward(found, wanted.grid, start_m, aside)
+
+
+def _agreements(
+    read: FrameReader,
+    reference: CellPath,
+    paths: list[list[CellPath]],
+    visible: list[list[Image]],
+    wanted: SweepPass,
+) -> Image:
+    """Correlations with the reference summed over the frames of each side, (2, k, n, m)."""
+    offsets_m = wanted.offsets_m
+    volumes = np.zeros((2, len(offsets_m), *wanted.start_m.shape), dtype=np.float32)
+    template = Template(reference.sample(read[reference.frame], np.zeros(1)), wanted.window)
+    at_once = max(CELLS_AT_ONCE // wanted.start_m.size, 1)
+    for first in range(0, len(offsets_m), at_once):
+        some = slice(first, first + at_once)
+        if not wanted.along_sight:
+            template = Template(reference.sample(read[reference.frame], offsets_m[some]), wanted.window)
         for side in (0, 1):
             for other, weight in zip(paths[side], visible[side], strict=True):
-                sampled = other.sample(frames[other.frame], offset)
-                volumes[side, index] += weight * template.correlate(sampled)
-    counts = np.array([np.sum(side, axis=0) if side else np.zeros_like(start_m) for side in visible]) * seen
-    found = _peaks(volumes, counts, start_m, offsets_m)
-    return found if aside is None else _outward(found, grid, start_m, aside)
+                agreement = template.correlate(other.sample(read[other.frame], offsets_m[some]))
+                agreement *= weight
+                volumes[side, some] += agreement
+    return volumes
 
 
 def _aside(centre: Array, grid: SweepGrid, start_m: Image) -> Array:
@@ -162,20 +204,18 @@ def _outward(found: SweepResult, grid: SweepGrid, start_m: Image, aside: Array) 
 def _peaks(volumes: Image, counts: Image, start_m: Image, offsets_m: Array) -> SweepResult:
     with np.errstate(invalid="ignore", divide="ignore"):
         halves = [
-            _peak(volume / np.where(count > 0, count, np.nan), start_m, offsets_m)[0]
-            for volume, count in zip(volumes, counts, strict=True)
+            _peak(volume, count, start_m, offsets_m)[0] for volume, count in zip(volumes, counts, strict=True)
         ]
-        total = counts.sum(axis=0)
-        mean = volumes.sum(axis=0) / np.where(total > 0, total, np.nan)
-        radius, score = _peak(mean, start_m, offsets_m)
+        radius, score = _peak(volumes[0] + volumes[1], counts[0] + counts[1], start_m, offsets_m)
     return SweepResult(radius_m=radius, score=score, radius_ahead_m=halves[0], radius_behind_m=halves[1])
 
 
-def _peak(scores: Image, start_m: Image, offsets_m: Array) -> tuple[Image, Image]:
-    """Sub-step maximum over the first axis; NaN where it lies at the end of the range."""
-    best = np.argmax(np.nan_to_num(scores, nan=-2), axis=0)
+def _peak(sums: Image, counts: Image, start_m: Image, offsets_m: Array) -> tuple[Image, Image]:
+    """Sub-step maximum of sums / counts over the first axis; NaN at the range's ends, and without a count."""
+    best = np.argmax(sums, axis=0)
     inner = np.clip(best, 1, len(offsets_m) - 2)
-    left, middle, right = (np.take_along_axis(scores, (inner + d)[None], axis=0)[0] for d in (-1, 0, 1))
+    share = 1 / np.where(counts > 0, counts, np.nan)
+    left, middle, right = (np.take_along_axis(sums, (inner + d)[None], axis=0)[0] * share for d in (-1, 0, 1))
     curvature = left - 2 * middle + right
     shift = np.where(curvature < 0, (left - right) / (2 * np.where(curvature < 0, curvature, -1)), np.nan)
     step = offsets_m[1] - offsets_m[0]
@@ -186,53 +226,3 @@ def _peak(scores: Image, start_m: Image, offsets_m: Array) -> tuple[Image, Image
         np.where(good, found, np.nan).astype(np.float32),
         np.where(good, height, np.nan).astype(np.float32),
     )
-
-
-class _Path:
-    """The way of every cell through one frame as its radius changes: a parabola through three places.
-
-    Exact projections cost more than all the rest of the sweep; over 5 mm at 245 mm the parabola is off by
-    less than 0.01 px, over 1 mm by less than 0.0001 px.  ``aside`` takes the cells sideways as they rise.
-    """
-
-    def __init__(self, view: SurfaceView, start_m: Image, reach_m: float, aside: Array | None) -> None:
-        self.frame = view.frame
-        self._view, reach = view, np.float32(reach_m)
-        self._start = view.pixels(start_m)
-        beside = None if aside is None else reach * view.turned(aside)
-        below = view.pixels(start_m - reach, None if beside is None else -beside)
-        above = view.pixels(start_m + reach, beside)
-        self._terms = [
-            (here, (after - before) / (2 * reach), (after + before - 2 * here) / (2 * reach**2))
-            for before, here, after in zip(below, self._start, above, strict=True)
-        ]
-
-    def visible(self, window: int) -> Image:
-        """1 where the whole comparison window about the start lies in the frame, else 0."""
-        return self._view.visible(self._start, window)
-
-    def sample(self, image: Image, offset_m: float) -> Image:
-        """The frame's values at the cells whose radius is ``offset_m`` larger than at the start."""
-        offset = np.float32(offset_m)
-        column, row = (here + offset * (slope + offset * bend) for here, slope, bend in self._terms)
-        return sample(image, (column, row))
-
-
-class _Template:
-    """The reference warped for one radius, ready to be correlated."""
-
-    def __init__(self, image: Image, window: int) -> None:
-        self._image, self._window = image, window
-        self._mean = self._box(image)
-        self._variance = self._box(image * image) - self._mean**2
-
-    def correlate(self, other: Image) -> Image:
-        """Normalised cross-correlation of every window."""
-        mean = self._box(other)
-        variance = self._box(other * other) - mean**2
-        product = self._box(self._image * other) - self._mean * mean
-        return product / np.sqrt(np.maximum(self._variance * variance, 1e-3) + 1.0)
-
-    def _box(self, image: Image) -> Image:
-        size = (self._window, self._window)
-        return np.asarray(cv2.boxFilter(image, cv2.CV_32F, size, borderType=cv2.BORDER_REFLECT))

@@ -17,8 +17,11 @@ from pipeline.cable.adjust import Orientation
 from pipeline.cable.surface import BlockSurface
 from pipeline.cable.surface_view import Image, SurfaceView, SweepGrid, sample
 from pipeline.core.events import Emit, Event
-from pipeline.core.pictures import read_colour
+from pipeline.core.pictures import Picture, read_colour
 from pipeline.core.vocabulary import Array, FrameSequence
+
+HELD_BYTES = 64 * 2**20
+"""Decoded frames of one block that stay in memory while it is looked through twice."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,18 +100,19 @@ def texture_block(
 
 
 class _ColourReader:
-    """Colour frames as float32; the latest few stay in memory."""
+    """Colour frames as float32; those of a short block are read once, of a long one the latest stay."""
 
-    def __init__(self, frames: FrameSequence, keep: int = 4) -> None:
-        self._frames, self._keep = frames, keep
-        self._held: OrderedDict[int, Image] = OrderedDict()
+    def __init__(self, frames: FrameSequence) -> None:
+        self._frames = frames
+        self._keep = max(HELD_BYTES // (3 * frames.width_px * frames.height_px), 4)
+        self._held: OrderedDict[int, Picture] = OrderedDict()
 
     def __getitem__(self, frame: int) -> Image:
         if frame not in self._held:
-            self._held[frame] = read_colour(self._frames.files[frame], "texture").astype(np.float32)
+            self._held[frame] = read_colour(self._frames.files[frame], "texture")
             if len(self._held) > self._keep:
                 self._held.popitem(last=False)
-        return self._held[frame]
+        return self._held[frame].astype(np.float32)
 
 
 class _Pattern:

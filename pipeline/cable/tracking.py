@@ -6,20 +6,19 @@ template is cut once, where the camera stands nearest to the point, and found ag
 no error adds up along the track.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cable.sheets import Gray, Sheets
-from pipeline.core.axis import AxisCurve
-from pipeline.core.vocabulary import Array, Lens, Poses
+from pipeline.cable.sheets import Filmed, Sheets
+from pipeline.core.vocabulary import Array
 
-PYRAMID_LEVELS = 2
-NEAR = 0.4
-"""Where the last frame's points were found within so many windows of their guess, one level will do."""
+NEAR = (0.1, 0.4)
+"""Where nine of ten points were found within so many windows of their guess in the frame before, the pictures
+as they are will do, or a pyramid of one level more; else it is of two."""
 END_SHARE = 4  # the end frames look further along the cable than the others: let them give more points
 
 
@@ -67,33 +66,16 @@ class Tracker:
     """Follows the surface of one block from sheet to sheet.
 
     Args:
-        read: gives the grey original frame k, (h, w) uint8.
-        lens: of the original frames.
-        poses: predicted orientations.
-        azimuth_deg: of the block's camera.
-        cylinder: axis and rough radius (m) of the cable.
+        filmed: its frames.
         options: see there.
         keep: so many sheets stay in memory.
     """
 
-    def __init__(
-        self,
-        read: Callable[[int], Gray],
-        lens: Lens,
-        poses: Poses,
-        azimuth_deg: float,
-        cylinder: tuple[AxisCurve, float],
-        options: TrackOptions,
-        keep: int = 64,
-    ) -> None:
-        self._size_px = np.array([lens.width_px, lens.height_px])
+    def __init__(self, filmed: Filmed, options: TrackOptions, keep: int = 64) -> None:
+        self._size_px = np.array([filmed.lens.width_px, filmed.lens.height_px])
         self._options, self._border_px = options, options.window_px // 2 + 1
         self.sheets = Sheets(
-            read,
-            lens,
-            poses,
-            azimuth_deg,
-            cylinder,
+            filmed,
             limb_deg=options.limb_deg,
             margin_px=options.window_px / 2,
             normalise_px=options.normalise_px,
@@ -129,16 +111,21 @@ class Tracker:
         """Corners on the stretch of surface that frame ``home`` sees best, as places (m, 2)."""
         options, sheet = self._options, self.sheets[home]
         first, last = self._stretch(home)
-        mask = np.zeros_like(sheet.picture)
-        low = 0 if first is None else max(first - sheet.first_row, 0)
-        high = len(mask) if last is None else max(last - sheet.first_row, 0)
-        margin = options.window_px // 2 + 1
-        mask[max(low, margin) : min(high, len(mask) - margin), margin:-margin] = 255
+        margin, height = options.window_px // 2 + 1, len(sheet.picture)
+        low = margin if first is None else max(first - sheet.first_row, margin)
+        high = height - margin if last is None else min(last - sheet.first_row, height - margin)
+        if low >= high:
+            return np.zeros((0, 2))
+        rows = slice(low - margin, high + margin)  # with room for the outermost corners' own surroundings
+        mask = np.zeros_like(sheet.picture[rows])
+        mask[margin:-margin, margin:-margin] = 255
         most = options.points_per_frame * (END_SHARE if first is None or last is None else 1)
-        found = cv2.goodFeaturesToTrack(sheet.picture, most, 0.01, minDistance=3, mask=mask, blockSize=7)
+        found = cv2.goodFeaturesToTrack(
+            sheet.picture[rows], most, 0.01, minDistance=3, mask=mask, blockSize=7
+        )
         if found is None:
             return np.zeros((0, 2))
-        places = found[:, 0].astype(np.float64) + np.array([0, sheet.first_row])
+        places = found[:, 0].astype(np.float64) + np.array([0, sheet.first_row + rows.start])
         return places[self._in_frame(self.sheets.pixels(home, places))]
 
     def _stretch(self, home: int) -> tuple[int | None, int | None]:
@@ -154,7 +141,7 @@ class Tracker:
         self, home: int, step: int, places: Array
     ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64], Array]]:
         alive, drift = np.arange(len(places)), np.zeros_like(places)
-        frame, levels = home + step, PYRAMID_LEVELS
+        frame, levels = home + step, len(NEAR)
         while 0 <= frame < len(self.sheets.along_m) and len(alive):
             guess = places[alive] + drift[alive]
             inside = self.sheets.hold(frame, guess, self._border_px)
@@ -165,8 +152,8 @@ class Tracker:
             alive, measured = alive[good], measured[good]
             drift[alive] = measured - places[alive]
             missed = np.linalg.norm(measured - guess[good], axis=1)
-            near = len(missed) and np.percentile(missed, 90) < NEAR * self._options.window_px
-            levels = 1 if near else PYRAMID_LEVELS
+            near_px = np.array(NEAR) * self._options.window_px
+            levels = int(np.count_nonzero((missed[:, None] < near_px).sum(axis=0) <= 0.9 * len(missed)))
             yield np.full(len(alive), frame), alive, measured
             frame += step
 

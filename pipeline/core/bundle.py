@@ -7,6 +7,7 @@ Triggs et al., 2000, section 3).  The equations themselves are in :mod:`pipeline
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -100,8 +101,7 @@ class BundleResult:
         rig: adjusted orientations and points.
         residuals: (N, 2) pixels.
         weights: (N,) share of its weight that the loss left to each measurement, 0 to 1.
-        covariance: (U, U) of the orientation unknowns (zero rows where held), for the stated ``sigma_px``.
-        normals: the image measurements' and the POS' normal equations at the solution.
+        equations: builds the normal equations at the solution; only who asks for them waits for them.
         iterations: steps taken.
         surface: the surface prior as adjusted; None without one.
     """
@@ -109,10 +109,30 @@ class BundleResult:
     rig: Rig
     residuals: Array
     weights: Array
-    covariance: Array
-    normals: Normals
+    equations: Callable[[], Normals]
     iterations: int
     surface: SurfacePrior | None = None
+
+    @cached_property
+    def normals(self) -> Normals:
+        """The image measurements' and the POS' normal equations at the solution."""
+        return self.equations()
+
+    @cached_property
+    def covariance(self) -> Array:
+        """(U, U) of the orientation unknowns (zero rows where held), for the stated ``sigma_px``."""
+        unknowns = self.rig.unknowns
+        return covariance(_with_surface(self.normals, self.rig, self.surface))[:unknowns, :unknowns]
+
+
+@dataclass(frozen=True)
+class _State:
+    """Where the adjustment stands, and what it costs there."""
+
+    rig: Rig
+    surface: SurfacePrior | None
+    seen: Linearisation
+    cost: float
 
 
 def adjust_bundle(
@@ -136,39 +156,47 @@ def adjust_bundle(
     order = order_along_cable(observations)
     observations = observations.subset(order)
     chunks = split_along_cable(observations, len(rig.points))
-    state = linearise(rig, observations)
-    cost, damping, taken = _cost(state, rig, priors, options, surface), FIRST_DAMPING, 0
+
+    def at(rig: Rig, surface: SurfacePrior | None) -> _State:
+        seen = linearise(rig, observations)
+        return _State(rig, surface, seen, _cost(seen, rig, priors, options, surface))
+
+    here, damping, taken = at(rig, surface), FIRST_DAMPING, 0
     for taken in range(1, options.iterations + 1):
         tell(taken, options.iterations)
-        normals = _with_surface(_normals(state, rig, priors, options, chunks), rig, surface)
-        for _ in range(10):
-            step, point_steps = solve(normals, damping)
-            trial = rig.moved(step[: rig.unknowns], point_steps)
-            trial_surface = surface.moved(step[rig.unknowns :]) if surface else None
-            trial_state = linearise(trial, observations)
-            trial_cost = _cost(trial_state, trial, priors, options, trial_surface)
-            if trial_cost < cost:
-                break
-            damping *= 10
-        else:
+        normals = _normals(here.seen, here.rig, priors, options, chunks)
+        there, damping = _lower(here, _with_surface(normals, here.rig, here.surface), damping, at)
+        if there is None:
             break
-        gain = 1 - trial_cost / cost
-        rig, surface, state = trial, trial_surface, trial_state
-        cost, damping = trial_cost, max(damping / 10, 1e-9)
+        gain = 1 - there.cost / here.cost
+        here, damping = there, max(damping / 10, 1e-9)
         if gain < options.tolerance:
             break
-    normals = _normals(state, rig, priors, options, chunks)
-    residuals = np.empty_like(state.residuals)
-    residuals[order] = state.residuals
+    residuals = np.empty_like(here.seen.residuals)
+    residuals[order] = here.seen.residuals
     return BundleResult(
-        rig=rig,
+        rig=here.rig,
         residuals=residuals,
         weights=_weights(residuals, options),
-        covariance=covariance(_with_surface(normals, rig, surface))[: rig.unknowns, : rig.unknowns],
-        normals=normals,
+        equations=partial(_normals, here.seen, here.rig, priors, options, chunks),
         iterations=taken,
-        surface=surface,
+        surface=here.surface,
     )
+
+
+def _lower(
+    here: _State, normals: Normals, damping: float, at: Callable[[Rig, SurfacePrior | None], _State]
+) -> tuple[_State | None, float]:
+    """The first state of lower cost, if there is one, steps damped more and more; and the damping."""
+    unknowns = here.rig.unknowns
+    for _ in range(10):
+        step, point_steps = solve(normals, damping)
+        surface = here.surface.moved(step[unknowns:]) if here.surface else None
+        there = at(here.rig.moved(step[:unknowns], point_steps), surface)
+        if there.cost < here.cost:
+            return there, damping
+        damping *= 10
+    return None, damping
 
 
 def intersect_points(rig: Rig, observations: Observations, *, gross_errors: bool = True) -> tuple[Rig, Array]:

@@ -19,8 +19,8 @@ from pipeline.core.vocabulary import Array
 BATCH = 16
 """So many random samples are compared at a time: of good matches fewer would do."""
 
-LEAST_GAIN = 1e-8
-"""The refinement ends when a step lowers the cost by no more than this share."""
+LEAST_GAIN = 1e-4
+"""The refinement ends when a step changes the cost by no more than this share: a hundredth of a sigma."""
 
 TURNS = cross_matrix(np.eye(3))
 """Derivatives of a rotation by its vector, about the three axes."""
@@ -210,14 +210,14 @@ def _refined(F: Array, first: Array, second: Array, T1: Array, T2: Array) -> Arr
         trial = _moved(state, step)
         trial_distances = pairs.signed(_compose(trial, T1, T2))
         gain = distances @ distances - trial_distances @ trial_distances
+        if abs(gain) <= LEAST_GAIN * (distances @ distances) + 1e-25:
+            break
         if gain < 0:
             damping *= 10
             if damping > 1e8:
                 break
             continue
         state, distances, damping = trial, trial_distances, damping / 10
-        if gain <= LEAST_GAIN * (distances @ distances) + 1e-25:
-            break
         normal, gradient = _normal_equations(state, distances, pairs, T1, T2)
     return _scaled(_compose(state, T1, T2))
 

@@ -6,9 +6,12 @@ thread, from which alone a run is cancelled.
 """
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from queue import SimpleQueue
+
+import cv2
 
 from pipeline.core.errors import Cancelled
 from pipeline.core.events import Emit, Event, silent
@@ -51,7 +54,7 @@ def side_by_side[T](jobs: Sequence[Callable[[Emit], T]], emit: Emit, workers: in
 
         return tell
 
-    with ThreadPoolExecutor(workers) as pool:
+    with _opencv_alone(), ThreadPoolExecutor(workers) as pool:
         futures: list[Future[T]] = []
         try:
             for number, job in enumerate(jobs):
@@ -73,6 +76,17 @@ def side_by_side[T](jobs: Sequence[Callable[[Emit], T]], emit: Emit, workers: in
             for future in futures:
                 future.cancel()
     return [future.result() for future in futures]
+
+
+@contextmanager
+def _opencv_alone() -> Iterator[None]:
+    """OpenCV stays in the thread that calls it: threads of its own would only get in each other's way."""
+    threads = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        yield
+    finally:
+        cv2.setNumThreads(threads)
 
 
 def each_side_by_side[T, R](work: Callable[[T], R], items: Sequence[T]) -> list[R]:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pipeline.cable.surface_view import SurfaceView, SweepGrid
-from pipeline.cable.sweep import FrameReader, sweep_strip
+from pipeline.cable.sweep import FrameReader, StripFrames, SweepPass, sweep_strip
 from pipeline.core.axis import AxisCurve
 from tests.cable import scene
 
@@ -24,19 +24,15 @@ def sweep(view, start_mm=55.0, reach_mm=1.2, pictures=None, ahead=AHEAD, behind=
     pictures = pictures or [view.picture(k)[..., 2] for k in range(scene.FRAMES)]
     start = np.full((len(GRID.y_m), len(GRID.azimuth)), start_mm / 1000, dtype=np.float32)
     offsets_m = np.arange(-reach_mm, reach_mm + 1e-9, 0.3) / 1000
-    reader = FrameReader(lambda k: pictures[k], 0.0)
+    seen = frames(view, FrameReader(lambda k: pictures[k], 0.0), ahead, behind)
     return sweep_strip(
-        reader,
-        view.lens,
-        view.poses,
-        REFERENCE,
-        ahead,
-        behind,
-        GRID,
-        start,
-        offsets_m,
-        WINDOW,
-        along_sight=along_sight,
+        seen, SweepPass(grid=GRID, start_m=start, offsets_m=offsets_m, window=WINDOW, along_sight=along_sight)
+    )
+
+
+def frames(view, read, ahead, behind):
+    return StripFrames(
+        read=read, lens=view.lens, poses=view.poses, reference=REFERENCE, ahead=ahead, behind=behind
     )
 
 
@@ -46,7 +42,7 @@ def plain(barrel_view):
 
 
 def inner(values):
-    """Away from the strip's borders, where the window meets its own reflection."""
+    """Away from the strip's borders, where windows reach into other candidates or their own reflection."""
     return values[WINDOW // 2 : -(WINDOW // 2), WINDOW // 2 : -(WINDOW // 2)]
 
 
@@ -101,17 +97,8 @@ def test_what_a_window_holds_does_not_hang_on_the_radius_that_is_asked_for(barre
         reader = FrameReader(noisy.__getitem__, 0.5, 1.5)
         for along_sight, found_mm in errors_mm.items():
             found = sweep_strip(
-                reader,
-                view.lens,
-                view.poses,
-                REFERENCE,
-                (5,),
-                (3,),
-                grid,
-                start,
-                offsets_m,
-                31,
-                along_sight=along_sight,
+                frames(view, reader, (5,), (3,)),
+                SweepPass(grid=grid, start_m=start, offsets_m=offsets_m, window=31, along_sight=along_sight),
             )
             found_mm.append(1000 * (found.radius_m[15:-15, 15:-15] - scene.RADIUS_M))
     fixed_mm, kept_mm = (np.nanmedian(errors_mm[along_sight]) for along_sight in (False, True))
@@ -147,7 +134,7 @@ def test_a_bump_has_its_height_and_its_place():
 
 def test_the_end_of_the_search_range_is_no_answer(barrel_view):
     beside = sweep(barrel_view, start_mm=57.5, reach_mm=0.9)  # the surface lies below the range
-    assert np.isnan(beside.radius_m).mean() > 0.97
+    assert np.isnan(inner(beside.radius_m)).mean() > 0.97
     np.testing.assert_array_equal(np.isnan(beside.score), np.isnan(beside.radius_m))
 
 
@@ -228,25 +215,10 @@ def test_a_frame_further_away_counts_for_more_when_it_is_asked_for(barrel_view):
     pictures[6] = pictures[5]  # seen from 20 mm away, believed 40 mm away
     start = np.full((len(GRID.y_m), len(GRID.azimuth)), 0.055, dtype=np.float32)
     offsets_m = np.arange(-1.2, 1.21, 0.3) / 1000
-    reader = FrameReader(lambda k: pictures[k], 0.0)
+    seen = frames(barrel_view, FrameReader(lambda k: pictures[k], 0.0), (6, 8), ())
+    wanted = SweepPass(grid=GRID, start_m=start, offsets_m=offsets_m, window=WINDOW)
     scores = [
-        np.nanmedian(
-            inner(
-                sweep_strip(
-                    reader,
-                    barrel_view.lens,
-                    barrel_view.poses,
-                    REFERENCE,
-                    (6, 8),
-                    (),
-                    GRID,
-                    start,
-                    offsets_m,
-                    WINDOW,
-                    power,
-                ).score
-            )
-        )
+        np.nanmedian(inner(sweep_strip(seen, replace(wanted, baseline_power=power)).score))
         for power in (0.0, 2.0)
     ]
     assert scores[0] < 0.65 < 0.7 < scores[1]

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from pipeline.cable.sheets import normalise
+from pipeline.cable.sheets import Filmed, normalise
 from pipeline.cable.tracking import Tracker, TrackOptions
 from pipeline.core.axis import AxisCurve
 from pipeline.core.vocabulary import Poses
@@ -16,15 +16,15 @@ Y_AXIS = AxisCurve(origin_y_m=0.0, coefficients=np.zeros((2, 1)))
 
 
 def tracker(read, poses=None, azimuth_deg=0.0, lens=None, **choices):
-    return Tracker(
-        read,
-        lens or scene.lens(scene.BARREL),
-        poses or scene.poses(),  # the POS knows nothing of the sway
-        azimuth_deg,
-        (Y_AXIS, ROUGH_RADIUS_M),
-        TrackOptions(),
-        **choices,
+    filmed = Filmed(
+        read=read,
+        lens=lens or scene.lens(scene.BARREL),
+        poses=poses or scene.poses(),  # the POS knows nothing of the sway
+        azimuth_deg=azimuth_deg,
+        axis=Y_AXIS,
+        radius_m=ROUGH_RADIUS_M,
     )
+    return Tracker(filmed, TrackOptions(), **choices)
 
 
 @pytest.fixture(scope="module")

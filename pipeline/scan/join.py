@@ -9,7 +9,7 @@ deviations show form; its diameters are told in the scan's own metres, so that a
 scale is seen as what it is.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -128,13 +128,7 @@ def join_scan(run: FinishedRun, scan: ScanCloud, emit: Emit, pairs: tuple[GivenP
         emit(Event(stage=STAGE, done=min(event.done, event.total - 1), total=event.total))
 
     fusion = fuse(run.cloud, scan, (), OPTIONS, tell, pairs)
-    back = inverse(fusion.placement)
-    moved = ScanCloud(
-        points=back.apply(scan.points),
-        stations=scan.stations,
-        scanners=scan.scanners,
-        intensities=scan.intensities,
-    )
+    moved = replace(scan, points=inverse(fusion.placement).apply(scan.points))
     theta, y, off_mm = _deviations(moved.points, run)
     known = np.isfinite(off_mm)
     if known.sum() < 100:

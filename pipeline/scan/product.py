@@ -58,12 +58,7 @@ def make_scan_product(
     found = join_scan(run, scan, part(emit, 0.6, 0.9), given)
     out = folder / "scan" if out is None else out
     names = tuple(path.name for path in scans)
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise StageError(
-            STAGE, f"{out} cannot be made ({error})", "give another folder with --out"
-        ) from error
+    _make_folder(out)
     # matplotlib is slow to load, which a refusal should not wait for
     from pipeline.report.scan_page import deviation_png, scan_html
 
@@ -78,6 +73,15 @@ def make_scan_product(
     write_json(out / "scan.json", scan_tree(found, run, names), STAGE)
     emit(Event(stage=STAGE, done=1, total=1))
     return _summary(found, run, out)
+
+
+def _make_folder(out: Path) -> None:
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise StageError(
+            STAGE, f"{out} cannot be made ({error})", "give another folder with --out"
+        ) from error
 
 
 def scan_tree(found: ScanJoin, run: FinishedRun, names: Sequence[str]) -> dict[str, object]:

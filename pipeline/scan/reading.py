@@ -1,9 +1,9 @@
 """A laser scan of a cable, read and cut down to the cable: what is joined with a photo model.
 
 Takes cloud files that share one frame, and the cable's radius; gives the points on and near the cable with
-their intensities.  Files are read twice: thinned, to find the cable, then in full, near it alone, so that
-memory stays bounded by what lies on the cable.  Leaves out bringing the two together
-(:mod:`pipeline.scan.join`).
+their intensities, without each scan's limb (``limb.py``).  Files are read twice: thinned, to find the cable,
+then in full, near it alone, so that memory stays bounded by what lies on the cable.  Leaves out bringing the
+two together (:mod:`pipeline.scan.join`).
 """
 
 from collections.abc import Iterator, Sequence
@@ -14,6 +14,7 @@ import numpy as np
 from pipeline.core.errors import StageError
 from pipeline.core.events import Emit, Event
 from pipeline.core.vocabulary import Array
+from pipeline.scan.limb import off_limb
 from pipeline.scan.tube import FoundCable, find_cable
 from pipeline.steel.cloud_readers import open_cloud
 from pipeline.steel.fuse_records import ScanCloud
@@ -66,6 +67,7 @@ def read_scan(paths: Sequence[Path], unit: LengthUnit, radius_m: float, emit: Em
             "check --unit, or cut the scan down to the cable",
         )
     parts = [_near(path, unit, cable, number, len(paths), emit) for number, path in enumerate(paths)]
+    parts = [part[off_limb(part[:, :3], cable)] for part in parts]
     points = np.concatenate(parts)
     files = np.concatenate([np.full(len(part), n) for n, part in enumerate(parts)])
     if len(points) > MOST_NEAR:

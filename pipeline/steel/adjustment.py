@@ -16,6 +16,7 @@ from pipeline.core.rotations import vector_from_rotation
 from pipeline.core.vocabulary import Array
 from pipeline.steel.equations import Covariances, Normals, Rows, assemble, covariances, solve
 from pipeline.steel.network import Network
+from pipeline.steel.point_shape import reshaped, stated_alike
 from pipeline.steel.registration_options import RegisterOptions
 from pipeline.steel.state import Component, Group, State, linearise
 from pipeline.steel.variance import Tested, components, reweighted, tested
@@ -95,6 +96,7 @@ def adjust(
         iterations=0,
         largest_step_m=np.inf,
     )
+    alike = [stated_alike(group) for group in groups]
     for number in range(1, options.rounds + 1):
         tell(number, options.rounds)
         before = adjusted
@@ -105,7 +107,7 @@ def adjust(
             new = tuple(np.minimum(old, now) for old, now in zip(adjusted.weights, new, strict=True))
         if number > 1 and _stands(before, adjusted, new):
             break
-        adjusted = replace(adjusted, weights=new)
+        adjusted = replace(adjusted, weights=new, groups=_reshaped(network, adjusted, alike, options))
     return _round(network, adjusted, options)
 
 
@@ -125,6 +127,18 @@ def _round(network: Network, adjusted: Adjusted, options: RegisterOptions) -> Ad
         for group, test in zip(adjusted.groups, tests, strict=True)
     )
     return replace(adjusted, tests=tests, covariances=found, places=normals.places, components=new)
+
+
+def _reshaped(
+    network: Network, adjusted: Adjusted, alike: list[NDArray[np.bool_]], options: RegisterOptions
+) -> tuple[Group, ...]:
+    """The observations, those whose sigma was stated without a direction shaped as their residuals are."""
+    return tuple(
+        reshaped(group, mine, test, adjusted.components[group.component], network, options)
+        if mine.any()
+        else group
+        for group, mine, test in zip(adjusted.groups, alike, adjusted.tests, strict=True)
+    )
 
 
 def _converged(

@@ -7,38 +7,23 @@ The libraries are imported where they are used.
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 
 import numpy as np
 
-from pipeline.core.errors import StageError
 from pipeline.core.vocabulary import Array
+from pipeline.steel.cloud_texts import POINTS_PER_RUN, CloudRuns, open_text, with_bright
+from pipeline.steel.cloud_texts import cloud_error as cloud_error
 
 Errors = tuple[type[BaseException], ...]
 
-POINTS_PER_RUN = 500_000
 
 _SPHERICAL = ("sphericalRange", "sphericalAzimuth", "sphericalElevation")
 _CARTESIAN = ("cartesianX", "cartesianY", "cartesianZ")
 _INVALID = ("cartesianInvalidState", "sphericalInvalidState")
-_COMMENTS = ("#", "//", ";")
 _BRIGHT = ("intensity", "scalar_intensity", "scalar_Intensity", "Intensity", "reflectance")
 """What PLY files call it."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class CloudRuns:
-    """An open cloud.
-
-    Attributes:
-        announced: points that the file says it has; 0 where it does not say.
-        runs: (n, 3) coordinates as written; (n, 4) with intensities, NaN where the file has none.
-    """
-
-    announced: int
-    runs: Iterator[Array]
 
 
 @contextmanager
@@ -58,8 +43,8 @@ def open_cloud(path: Path, station: str, bright: bool = False) -> Iterator[Cloud
         ".las": (_las, _las_errors),
         ".laz": (_las, _las_errors),
         ".ply": (_ply, _ply_errors),
-        ".pts": (_text, lambda: ()),
-        ".xyz": (_text, lambda: ()),
+        ".pts": (open_text, lambda: ()),
+        ".xyz": (open_text, lambda: ()),
     }
     reader, library_errors = readers[path.suffix.lower()]
     try:
@@ -70,11 +55,6 @@ def open_cloud(path: Path, station: str, bright: bool = False) -> Iterator[Cloud
         raise cloud_error(
             station, f"{path.name} cannot be read to its end ({said[:150]})", "export or copy it again"
         ) from error
-
-
-def cloud_error(station: str, cause: str, remedy: str) -> StageError:
-    """An error about the cloud of a station."""
-    return StageError("clouds", f"station {station}: {cause}", remedy)
 
 
 @contextmanager
@@ -117,18 +97,8 @@ def _e57_runs(
         for name in _INVALID:
             if name in fields:
                 valid &= data[name][:count] == 0
-        yield _with_bright(points, data["intensity"][:count] if "intensity" in fields else None, bright)[
-            valid
-        ]
+        yield with_bright(points, data["intensity"][:count] if "intensity" in fields else None, bright)[valid]
     reader.close()
-
-
-def _with_bright(points: Array, intensities: Any, bright: bool) -> Array:  # noqa: ANN401 - of any type
-    """Coordinates with a fourth column, where it is asked for; NaN without intensities."""
-    if not bright:
-        return points
-    column = np.full(len(points), np.nan) if intensities is None else np.asarray(intensities, dtype=float)
-    return np.column_stack([points, column])
 
 
 def _cartesian(spherical: Array) -> Array:
@@ -152,7 +122,7 @@ def _las(path: Path, station: str, bright: bool) -> Iterator[CloudRuns]:
     with laspy.open(path) as file:
         chunks = file.chunk_iterator(POINTS_PER_RUN)
         runs = (
-            _with_bright(np.column_stack([chunk.x, chunk.y, chunk.z]), chunk.intensity, bright)
+            with_bright(np.column_stack([chunk.x, chunk.y, chunk.z]), chunk.intensity, bright)
             for chunk in chunks
         )
         yield CloudRuns(announced=file.header.point_count, runs=runs)
@@ -181,7 +151,7 @@ def _ply(path: Path, station: str, bright: bool) -> Iterator[CloudRuns]:
     def run(first: int) -> Array:
         rows = vertices[first : first + POINTS_PER_RUN]
         points = np.column_stack([rows[axis] for axis in "xyz"]).astype(float)
-        return _with_bright(points, None if known is None else rows[known], bright)
+        return with_bright(points, None if known is None else rows[known], bright)
 
     runs = (run(first) for first in range(0, len(vertices), POINTS_PER_RUN))
     yield CloudRuns(announced=len(vertices), runs=runs)
@@ -191,61 +161,3 @@ def _ply_errors() -> Errors:
     from plyfile import PlyParseError
 
     return (PlyParseError, ValueError)
-
-
-@contextmanager
-def _text(path: Path, station: str, bright: bool) -> Iterator[CloudRuns]:
-    """PTS (first line: number of points) and XYZ (comments or a heading may stand first)."""
-    with path.open(encoding="utf-8-sig") as file:
-        lines, announced, first = 0, 0, file.readline()
-        while first and (_is_comment(first) or not _numbers(first)):
-            lines, first = lines + 1, file.readline()
-        if len(_numbers(first)) == 1:
-            announced = int(_numbers(first)[0])
-            lines, first = lines + 1, file.readline()
-        yield CloudRuns(announced=announced, runs=_text_runs(file, path, station, first, lines + 1, bright))
-
-
-def _text_runs(
-    file: TextIO, path: Path, station: str, first: str, line: int, bright: bool
-) -> Iterator[Array]:
-    if not first:
-        return
-    columns = (0, 1, 2, 3) if bright and len(_numbers(first)) > 3 else (0, 1, 2)
-    if len(_numbers(first)) < 3:
-        raise _bad_line(path, station, line, first)
-    comma = next((c for c in ",;" if c in first), None)
-    while text := ([first] if first else []) + file.readlines(POINTS_PER_RUN * len(first or "x" * 40)):
-        first = ""
-        try:
-            run = np.loadtxt(text, usecols=columns, delimiter=comma, ndmin=2, comments=list(_COMMENTS[:2]))
-        except ValueError as error:
-            number, bad = next(
-                ((n, t) for n, t in enumerate(text) if t.strip() and len(_numbers(t)) < 3), (0, text[0])
-            )
-            raise _bad_line(path, station, line + number, bad) from error
-        line += len(text)
-        yield _with_bright(run[:, :3], run[:, 3] if len(columns) > 3 else None, bright)
-
-
-def _is_comment(line: str) -> bool:
-    return not line.strip() or line.lstrip().startswith(_COMMENTS)
-
-
-def _numbers(line: str) -> list[float]:
-    """The leading numbers of a line."""
-    found: list[float] = []
-    for word in line.replace(",", " ").replace(";", " ").split():
-        try:
-            found.append(float(word))
-        except ValueError:
-            break
-    return found
-
-
-def _bad_line(path: Path, station: str, line: int, text: str) -> StageError:
-    return cloud_error(
-        station,
-        f'{path.name} line {line} "{text.strip()[:40]}" does not begin with three numbers',
-        "export x, y and z as the first columns",
-    )

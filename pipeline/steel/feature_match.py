@@ -16,13 +16,11 @@ from pipeline.core.errors import StageError
 from pipeline.core.fits import fit_similarity
 from pipeline.core.vocabulary import Array
 from pipeline.steel.fuse_records import Placement
+from pipeline.steel.triangles import Corners, Triangles, from_triangles, triangles
 
-Corners = NDArray[np.int64]
 MOST_SPHERES = 40
 """Triangles are made of so many spheres of the scan, and so many of the photos; all are counted."""
 MOST_PROPOSALS = 60_000
-LEAST_HEIGHT = 0.15
-"""A triangle lower than this share of its longest side does not hold a turn about it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,8 +82,8 @@ def match_spheres(
 def _agreements(
     photo: Array, scan: Array, ball_share: float, tolerance_m: float, least: int, seed: int
 ) -> list[Agreement]:
-    first = _triangles(_far_apart(photo, MOST_SPHERES), photo[:, :3])
-    second = _triangles(_far_apart(scan, MOST_SPHERES), scan[:, :3])
+    first = triangles(_far_apart(photo, MOST_SPHERES), photo[:, :3])
+    second = triangles(_far_apart(scan, MOST_SPHERES), scan[:, :3])
     rng = np.random.default_rng(seed)
     first = first.some(np.sort(rng.permutation(len(first.corners))[:3000]))
     # one sphere out of place by the tolerance changes a ratio by this much, at the triangles' usual size
@@ -110,55 +108,6 @@ def _agreements(
     return sorted(found, key=lambda a: (-len(a.photo), a.rms_m))
 
 
-@dataclass(frozen=True)
-class _Triangles:
-    """Triangles of spheres.
-
-    Attributes:
-        corners: (t, 3) numbers of the spheres, opposite the longest, the middle and the shortest side.
-        longest: (t,) side; shape: (t, 2) the other sides as shares of it.
-    """
-
-    corners: NDArray[np.int64]
-    longest: Array
-    shape: Array
-
-    def some(self, chosen: NDArray[np.int64]) -> "_Triangles":
-        return _Triangles(self.corners[chosen], self.longest[chosen], self.shape[chosen])
-
-
-def _triangles(chosen: NDArray[np.int64], places: Array) -> _Triangles:
-    corners = chosen[_combinations(len(chosen))].T
-    sides = _sides(corners, places)
-    order = np.argsort(-sides, axis=1)
-    corners, sides = np.take_along_axis(corners, order, 1), np.take_along_axis(sides, order, 1)
-    half = sides.sum(axis=1) / 2
-    area = np.sqrt(np.maximum(half * np.prod(half[:, None] - sides, axis=1), 0))
-    good = 2 * area > LEAST_HEIGHT * sides[:, 0] ** 2
-    # sides of equal length leave the order of the corners open: each order is a triangle of its own
-    every = [corners[good]]
-    for a, b in ((0, 1), (1, 2)):
-        alike = good & (sides[:, b] > 0.97 * sides[:, a])
-        swapped = corners[alike].copy()
-        swapped[:, [a, b]] = swapped[:, [b, a]]
-        every.append(swapped)
-    corners = np.concatenate(every)
-    sides = _sides(corners, places)
-    return _Triangles(corners, sides[:, 0], sides[:, 1:] / sides[:, :1])
-
-
-def _sides(corners: NDArray[np.int64], places: Array) -> Array:
-    """(t, 3) lengths of the sides opposite the corners."""
-    x = places[corners]
-    return np.linalg.norm(x[:, [1, 0, 0]] - x[:, [2, 2, 1]], axis=2)
-
-
-def _combinations(count: int) -> NDArray[np.int64]:
-    i, j, k = np.meshgrid(*[np.arange(count)] * 3, indexing="ij")
-    chosen = (i < j) & (j < k)
-    return np.stack([i[chosen], j[chosen], k[chosen]])
-
-
 def _far_apart(spheres: Array, most: int) -> NDArray[np.int64]:
     """Numbers of at most ``most`` spheres, each as far from those before it as can be."""
     if len(spheres) <= most:
@@ -173,7 +122,7 @@ def _far_apart(spheres: Array, most: int) -> NDArray[np.int64]:
 
 
 def _scale_fits(
-    first: _Triangles, second: _Triangles, pairs: NDArray[np.int64], photo: Array, scan: Array, share: float
+    first: Triangles, second: Triangles, pairs: NDArray[np.int64], photo: Array, scan: Array, share: float
 ) -> NDArray[np.bool_]:
     scale = second.longest[pairs[:, 1]] / first.longest[pairs[:, 0]]
     radii = photo[first.corners[pairs[:, 0]], 3] * scale[:, None]
@@ -187,36 +136,13 @@ def _counts(
     counts = np.zeros(len(first), dtype=np.int64)
     for begin in range(0, len(first), 2000):
         mine = slice(begin, begin + 2000)
-        scale, rotation, translation = _from_triangles(photo[first[mine], :3], scan[second[mine], :3])
+        scale, rotation, translation = from_triangles(photo[first[mine], :3], scan[second[mine], :3])
         places = (
             scale[:, None, None] * np.einsum("hij,nj->hni", rotation, photo[:, :3]) + translation[:, None]
         )
         away, _ = tree.query(places.reshape(-1, 3), distance_upper_bound=2 * tolerance_m)
         counts[mine] = np.isfinite(away.reshape(len(scale), -1)).sum(axis=1)
     return counts
-
-
-def _from_triangles(x: Array, y: Array) -> tuple[Array, Array, Array]:
-    """Similarities (h,), (h, 3, 3), (h, 3) from h pairs of triangles (h, 3, 3), by their frames."""
-    scale = _size(y) / _size(x)
-    rotation = np.einsum("hai,haj->hij", _frame(y), _frame(x))
-    return (
-        scale,
-        rotation,
-        y.mean(axis=1) - scale[:, None] * np.einsum("hij,hj->hi", rotation, x.mean(axis=1)),
-    )
-
-
-def _size(corners: Array) -> Array:
-    return np.sqrt(np.sum((corners - corners.mean(axis=1, keepdims=True)) ** 2, axis=(1, 2)))
-
-
-def _frame(corners: Array) -> Array:
-    a = corners[:, 2] - corners[:, 1]
-    a = a / np.linalg.norm(a, axis=1, keepdims=True)
-    n = np.cross(a, corners[:, 0] - corners[:, 1])
-    n = n / np.linalg.norm(n, axis=1, keepdims=True)
-    return np.stack([a, np.cross(n, a), n], axis=1)
 
 
 def _refined(
@@ -229,7 +155,7 @@ def _refined(
     tolerance_m: float,
     least: int,
 ) -> Agreement | None:
-    scale, rotation, translation = _from_triangles(photo[None, first, :3], scan[None, second, :3])
+    scale, rotation, translation = from_triangles(photo[None, first, :3], scan[None, second, :3])
     placement = Placement(scale=float(scale[0]), rotation=rotation[0], translation=translation[0])
     for reach in (2.0, 1.5, 1.0):
         mine, theirs, off = _common(photo, scan, tree, placement, ball_share, reach * tolerance_m)

@@ -8,9 +8,10 @@ figures (``axes.py``, ``planes.py``) and judging them once adjusted.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.stats import chi2
@@ -29,6 +30,8 @@ ALIKE_SHARE, ALIKE_M = 0.05, 0.004
 """Radii of one member differ by this share, and so much besides, at most."""
 OVERLAP = 0.3
 """Part of the shorter piece of an axis that the other station must see as well."""
+AT_ONCE = 256
+"""Sightings compared at once with all others: memory must not grow with the square of their number."""
 
 LETTERS = {FeatureKind.LINE: "A", FeatureKind.PLANE: "P"}
 
@@ -112,30 +115,61 @@ def _groups(seen: Sequence[_Sighting], poses: Sequence[StationPose]) -> list[lis
 
 def _near(seen: Sequence[_Sighting]) -> list[tuple[int, int]]:
     """Pairs in different stations that look alike and lie near each other."""
-    if len(seen) < 2:
-        return []
-    places = np.array([one.feature.place for one in seen])
-    directions = np.array([one.feature.direction for one in seen])
-    reaches = np.array([one.feature.reach_m for one in seen])
-    radii = np.array([one.feature.radius_m for one in seen])
-    stations = np.array([one.station for one in seen])
-    away = places[None] - places[:, None]
-    cosine = directions @ directions.T
-    along = np.einsum("ijk,ik->ij", away, directions)
-    across = np.sqrt(np.maximum(np.sum(away**2, axis=2) - along**2, 0))
-    if seen[0].feature.kind is FeatureKind.LINE:
-        overlap = reaches[:, None] + reaches[None] - np.abs(along)
-        good = (np.abs(cosine) > FACING) & (
-            overlap > 2 * OVERLAP * np.minimum(reaches[:, None], reaches[None])
+    pairs: list[tuple[int, int]] = []
+    if not seen:
+        return pairs
+    all_of_them = _Looks.of(seen)
+    for first in range(0, len(seen), AT_ONCE):
+        i, j = np.nonzero(_alike(all_of_them.where(slice(first, first + AT_ONCE)), all_of_them))
+        pairs += zip((i + first).tolist(), j.tolist(), strict=True)
+    return pairs
+
+
+@dataclass(frozen=True)
+class _Looks:
+    """What is compared of many sightings of one kind: (n, 3), (n, 3), (n,), (n,), (n,)."""
+
+    line: bool
+    places: Array
+    directions: Array
+    reaches: Array
+    radii: Array
+    stations: NDArray[np.int64]
+
+    @staticmethod
+    def of(seen: Sequence[_Sighting]) -> "_Looks":
+        features = [one.feature for one in seen]
+        return _Looks(
+            line=features[0].kind is FeatureKind.LINE,
+            places=np.array([f.place for f in features]),
+            directions=np.array([f.direction for f in features]),
+            reaches=np.array([f.reach_m for f in features]),
+            radii=np.array([f.radius_m for f in features]),
+            stations=np.array([one.station for one in seen], dtype=np.int64),
         )
+
+    def where(self, chosen: slice) -> "_Looks":
+        return _Looks(self.line, *(getattr(self, f.name)[chosen] for f in fields(self)[1:]))
+
+
+def _alike(some: _Looks, others: _Looks) -> NDArray[np.bool_]:
+    """(n, m) whether the second is in a later station, near the first and like it."""
+    away = others.places[None] - some.places[:, None]
+    cosine = some.directions @ others.directions.T
+    along = np.einsum("ijk,ik->ij", away, some.directions)
+    across = np.sqrt(np.maximum(np.sum(away**2, axis=2) - along**2, 0))
+    mine, theirs = some.reaches[:, None], others.reaches[None]
+    if some.line:
+        overlap = mine + theirs - np.abs(along)
+        good = (np.abs(cosine) > FACING) & (overlap > 2 * OVERLAP * np.minimum(mine, theirs))
         good &= across < FARTHEST_M + np.abs(along) * np.sqrt(1 - FACING**2)
-        good &= np.abs(radii[:, None] - radii[None]) < ALIKE_M + ALIKE_SHARE * radii[:, None]
+        radius = some.radii[:, None]
+        good &= np.abs(radius - others.radii[None]) < ALIKE_M + ALIKE_SHARE * radius
     else:
         # both sides of a thin wall are two planes
-        good = (cosine > FACING) & (across < 1.5 * (reaches[:, None] + reaches[None]))
+        good = (cosine > FACING) & (across < 1.5 * (mine + theirs))
         good &= np.abs(along) < FARTHEST_M + across * np.sqrt(1 - FACING**2)
-    i, j = np.nonzero(good & (stations[:, None] < stations[None]))
-    return list(zip(i.tolist(), j.tolist(), strict=True))
+    return np.asarray(good & (some.stations[:, None] < others.stations[None]))
 
 
 def _square(one: _Sighting, other: _Sighting, poses: Sequence[StationPose]) -> float:

@@ -11,6 +11,7 @@ from functools import partial
 
 import numpy as np
 
+from pipeline.core.errors import StageError
 from pipeline.core.fits import FitOptions, fit_cylinder
 from pipeline.core.fits.robust import Estimate, solve
 from pipeline.core.vocabulary import Array
@@ -22,6 +23,8 @@ from pipeline.steel.tile_records import SitePoints
 
 MOST_POINTS = 30_000
 """More points are thinned for the fit: the stations' own errors are larger than their noise by then."""
+LEAST_RAYS = 6
+"""Fewer determine neither a cylinder nor a sphere."""
 ROUGH_POINTS = 3000
 """The start looks at this many."""
 FLOOR_M = 0.0002
@@ -190,9 +193,18 @@ def _chosen(rays: Rays, meeting: Meeting, off: Array, options: MemberOptions) ->
     """The rays neither near the rim nor off the surface.
 
     How far the ray passes decides, not the point: the point's noise must not choose the points.
+
+    Raises:
+        StageError: too few are left.
     """
     reach = max(6 * options.range_sigma_mm / 1000, 0.008)
     keep = (off < np.sin(np.radians(options.rim_deg))) & (np.abs(rays.ranges - meeting.ranges) < reach)
+    if np.count_nonzero(keep) < LEAST_RAYS:
+        raise StageError(
+            "members",
+            f"only {np.count_nonzero(keep)} of {len(keep)} rays meet the figure",
+            "scan it from more sides",
+        )
     return rays.where(keep), Meeting(
         meeting.ranges[keep], meeting.normals[keep], meeting.cosines[keep], meeting.by_figure[keep]
     )

@@ -27,9 +27,10 @@ from pipeline.steel.fuse_records import (
     ScanCloud,
     Start,
 )
+from pipeline.steel.fuse_rivals import best_laid
 from pipeline.steel.fuse_sigma import Held, StartSigma, judge
 from pipeline.steel.fuse_start import STAGE, STEPS, evenly, find_starts, worth_of
-from pipeline.steel.point_match import TUKEY, Laid, lay
+from pipeline.steel.point_match import Laid, lay
 from pipeline.steel.records import Feature, FeatureKind
 from pipeline.steel.scanned_surface import ScannedSurface, single, thinned, towards_scanners
 
@@ -82,28 +83,10 @@ def fuse(
             points, normals, surface, spheres, start, edge, worth[number], cable, options, tick
         )
         tried.append((laid, held, number))
-    laid, held, number = _best(tried, points, options)
+    laid, held, number = best_laid(tried, points, options)
     fusion = _fusion(laid, held, kind, fused[number], cable, options)
     emit(Event(stage=STAGE, done=STEPS, total=STEPS))
     return fusion
-
-
-def _best(tried: list[tuple[Laid, Held, int]], points: Array, options: FuseOptions) -> tuple[Laid, Held, int]:
-    """The placement that most points agree with.
-
-    Raises:
-        StageError: too few agree, or as many with another one.
-    """
-    noise_m = min((item[0].noise_m for item in tried if len(item[0].chosen) >= 200), default=1.0)
-    best = max(tried, key=lambda item: _merit(item[0], noise_m))
-    if best[0].share < options.least_overlap or len(best[0].chosen) < 200:
-        raise StageError(
-            STAGE,
-            f"only {100 * best[0].share:.0f} % of the photo cloud lie on scanned surface",
-            "check that both show the same part, or give pairs of places by hand",
-        )
-    _refuse_rivals(tried, best, noise_m, points, options)
-    return best
 
 
 def _check(photo: PhotoCloud, scan: ScanCloud) -> None:
@@ -178,33 +161,6 @@ def _laid(
             break
         held_motions = held.undetermined
     return laid, held
-
-
-def _merit(laid: Laid, noise_m: float) -> float:
-    """Photo points on the surface, each by its robust weight at the same noise for all rivals."""
-    return float(np.sum(np.clip(1 - (laid.distances / (TUKEY * noise_m)) ** 2, 0, None) ** 2))
-
-
-def _refuse_rivals(
-    laid_all: list[tuple[Laid, Held, int]],
-    best: tuple[Laid, Held, int],
-    noise_m: float,
-    points: Array,
-    options: FuseOptions,
-) -> None:
-    mine = best[0].placement.apply(points)
-    for laid, _, number in laid_all:
-        apart = float(np.sqrt(np.mean(np.sum((laid.placement.apply(points) - mine) ** 2, axis=1))))
-        if (
-            number != best[2]
-            and apart > 5 * options.feature_tolerance_mm / 1000
-            and _merit(laid, noise_m) > 0.9 * _merit(best[0], noise_m)
-        ):
-            raise StageError(
-                STAGE,
-                f"the structure looks alike in two places {apart:.1f} m apart, so the photos fit in both",
-                "give three pairs of places by hand",
-            )
 
 
 def _fusion(

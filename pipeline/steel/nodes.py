@@ -18,6 +18,7 @@ from pipeline.core.vocabulary import Array
 from pipeline.steel.joint import Part, joint_covariance, together
 from pipeline.steel.member_records import Ball, Joint, Members, Rod, StationShare
 from pipeline.steel.perpendiculars import CentreRule, perpendicular_centre
+from pipeline.steel.straightness import axis_moves, axis_offset, axis_sigma
 
 _NO_SHARE = StationShare(stations=np.zeros(0, dtype=np.int64), gains=np.zeros((0, 3, 7)))
 
@@ -28,8 +29,8 @@ class NodeOptions:
 
     Attributes:
         false_alarm: probability of even one false alarm among all nodes that have no eccentricity.
-        axis_sigma_mm: how far a rod's axis may pass the node without that being an eccentricity: rods are not
-            straight to better than this.
+        axis_sigma_mm: how far a rod's axis may pass the node without that being an eccentricity, as assumed
+            before the rods of this structure told how straight they are (``straightness.py``).
     """
 
     false_alarm: float = field(default=0.01, metadata={"above": 0.0, "maximum": 0.5})
@@ -98,13 +99,13 @@ def measure_nodes(members: Members, options: NodeOptions) -> tuple[Node, ...]:
     by_name = {rod.name: rod for rod in members.rods}
     count = max(sum(len(ball.rods) >= 2 for ball in members.balls), 1)
     critical = float(chi2.isf(options.false_alarm / count, 3))
-    axis_sigma_m = options.axis_sigma_mm / 1000
     balls = [*members.balls, *(_unseen(joint) for joint in members.joints)]
+    rods = [[by_name[name] for name in ball.rods] for ball in balls]
+    places = [*(b.centre for b in members.balls), *(j.place for j in members.joints)]
+    axis_sigma_m = axis_sigma(zip(rods, places, strict=True), members, options.axis_sigma_mm / 1000)
     return tuple(
-        _node(ball, [by_name[name] for name in ball.rods], members, critical, axis_sigma_m, near)
-        for ball, near in zip(
-            balls, [*(b.centre for b in members.balls), *(j.place for j in members.joints)], strict=True
-        )
+        _node(ball, own, members, critical, axis_sigma_m, near)
+        for ball, own, near in zip(balls, rods, places, strict=True)
     )
 
 
@@ -184,11 +185,8 @@ def _least_squares(
     if len(rods) < 2:
         return unknown, [np.zeros((3, 5)) for _ in rods], np.full((3, 3), np.nan), float("nan")
     across = [rod.frame[:2] for rod in rods]
-    moves = [_axis_moves(float(rod.along(near))) for rod in rods]
-    offsets = [
-        b @ (rod.place + float(rod.along(near)) * rod.direction - near)
-        for rod, b in zip(rods, across, strict=True)
-    ]
+    moves = [axis_moves(float(rod.along(near))) for rod in rods]
+    offsets = [axis_offset(rod, near) for rod in rods]
     own = [h @ rod.covariance @ h.T + axis_sigma_m**2 * np.eye(2) for rod, h in zip(rods, moves, strict=True)]
     extra = 0.0
     for _ in range(8):
@@ -210,8 +208,3 @@ def _least_squares(
     rms = float(np.sqrt(np.mean([e @ e for e in misses])))
     full = [k @ h for k, h in zip(gains, moves, strict=True)]
     return near + step, full, scatter, rms
-
-
-def _axis_moves(along: float) -> Array:
-    """(2, 5): how the axis moves across itself at a distance along it, per parameter of the cylinder."""
-    return np.array([[1.0, 0.0, along, 0.0, 0.0], [0.0, 1.0, 0.0, along, 0.0]])

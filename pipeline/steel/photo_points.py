@@ -18,6 +18,8 @@ from pipeline.steel.photo_records import DepthOptions, OrientedPhotos
 
 LEAST_SAME = 0.32
 """Share of the cells around one that must lie on its surface, for a normal."""
+LEAST_COSINE = 0.2
+"""No surface counts as met more obliquely than this: its normal is too rough to tell."""
 
 
 def angles_deg(points: Array, first: Array, second: Array) -> Array:
@@ -64,11 +66,14 @@ def points_of(
         widest = np.where(agrees, np.maximum(widest, angle), widest)
     mean = total / count
     scatter = np.sqrt(np.maximum(square - count * mean**2, 0) / np.maximum(count - 1, 1))
-    normals, same = _normals(rays * mean[..., None], valid)
+    normals, same, uneven = _normals(rays * mean[..., None], valid)
     known = valid & (same >= LEAST_SAME)
     kept = valid & (count > min(options.least_agreeing, len(mine.neighbours))) & known
     place = (rays * mean[..., None] - translation) @ rotation
-    sigma = _sigmas(mean, scatter, same, widest, lens.focal_px, options) * np.linalg.norm(rays, axis=2)
+    # along the ray a surface that is met obliquely is uneven by more
+    uneven = uneven / np.maximum(np.abs(np.sum(normals * rays, axis=2)), LEAST_COSINE)
+    sigma = _sigmas(mean, scatter, same, uneven, widest, lens.focal_px, options)
+    sigma *= np.linalg.norm(rays, axis=2)
     pixel = grid_pixels(lens, mine.step_px).astype(np.int64)
     colour = picture[pixel[..., 1], pixel[..., 0]][..., ::-1]
     return PhotoCloud(
@@ -80,25 +85,34 @@ def points_of(
 
 
 def _sigmas(
-    depth: Array, scatter: Array, same: Array, widest: Array, focal_px: float, options: DepthOptions
+    depth: Array,
+    scatter: Array,
+    same: Array,
+    uneven: Array,
+    widest: Array,
+    focal_px: float,
+    options: DepthOptions,
 ) -> Array:
-    """(h, w) standard deviation of each depth, photo units: three things that do not know of each other.
+    """(h, w) standard deviation of each depth, photo units: four things that do not know of each other.
 
     What the best correlation is worth; how far the maps that saw the place differ (two maps compare the same
-    two pictures, so half of them count and their mean is no better than one); and, where part of the window
-    lies on another surface, that the peak may slide by as much of half a window.
+    two pictures, so half of them count and their mean is no better than one); where part of the window lies
+    on another surface, that the peak may slide by as much of half a window; and where the window's own
+    surface is bent, as on a ball or a rod, that the peak belongs to any place in it.
 
     Args:
         depth: along the camera's z.
         scatter: standard deviation of the maps' depths.
         same: share of the window that lies on the cell's own surface.
+        uneven: root mean square of that surface off its plane through the cell, along the camera's z.
         widest: sine of the widest angle at which rays meet.
         focal_px: of the lens.
         options: see there.
     """
     per_px = depth / focal_px / np.maximum(widest, 0.02)
     slide_px = 0.5 * options.window_px / np.sqrt(3) * (1 - same)
-    return np.sqrt((options.matching_sigma_px * per_px) ** 2 + 0.5 * scatter**2 + (slide_px * per_px) ** 2)
+    matched, slid = options.matching_sigma_px * per_px, slide_px * per_px
+    return np.sqrt(matched**2 + 0.5 * scatter**2 + slid**2 + uneven**2)
 
 
 def _returned(
@@ -129,8 +143,9 @@ def _returned(
     return np.where(agrees, own * ratio, 0.0), agrees
 
 
-def _normals(places: Array, valid: NDArray[np.bool_], reach: int = 2) -> tuple[Array, Array]:
-    """Normals (h, w, 3) towards the camera from neighbours at nearly the same depth, and these's share."""
+def _normals(places: Array, valid: NDArray[np.bool_], reach: int = 2) -> tuple[Array, Array, Array]:
+    """Normals (h, w, 3) towards the camera from neighbours at nearly the same depth, these's share, and their
+    root mean square distance from the plane through the cell, (h, w) each."""
     height, width = valid.shape
     count, first, second = np.zeros(valid.shape), np.zeros(places.shape), np.zeros((*places.shape, 3))
     depth = np.where(valid, places[..., 2], np.nan)
@@ -151,7 +166,9 @@ def _normals(places: Array, valid: NDArray[np.bool_], reach: int = 2) -> tuple[A
     known = valid & (same >= LEAST_SAME)
     mean = first / np.maximum(count, 1)[..., None]
     moments = second / np.maximum(count, 1)[..., None, None] - mean[..., :, None] * mean[..., None, :]
-    normals = np.zeros_like(places)
-    normals[known] = np.linalg.eigh(moments[known])[1][:, :, 0]
+    normals, uneven = np.zeros_like(places), np.zeros(valid.shape)
+    values, vectors = np.linalg.eigh(moments[known])
+    normals[known] = vectors[:, :, 0]
+    uneven[known] = np.sqrt(np.maximum(values[:, 0], 0) + np.sum(mean[known] * normals[known], axis=1) ** 2)
     away_from_camera = np.sum(normals * places, axis=2) > 0
-    return np.where(away_from_camera[..., None], -normals, normals), same
+    return np.where(away_from_camera[..., None], -normals, normals), same, uneven

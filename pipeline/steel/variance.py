@@ -41,6 +41,7 @@ class Tested:
         square: (n,) square of the residuals over the cofactor, times the weight.
         weight: (n,) as it was.
         residuals: (n, k) observed minus adjusted.
+        adjusted: (n, k, k) covariance of the adjusted values.
     """
 
     ratio: Array
@@ -50,6 +51,7 @@ class Tested:
     square: Array
     weight: Array
     residuals: Array
+    adjusted: Array
 
 
 def tested(rows: Rows, weights: Array, found: Covariances, places: Numbers, cofactor: Array) -> Tested:
@@ -83,6 +85,7 @@ def tested(rows: Rows, weights: Array, found: Covariances, places: Numbers, cofa
         square=weights * np.sum(y**2, axis=1),
         weight=weights,
         residuals=rows.linear.residuals,
+        adjusted=H,
     )
 
 

@@ -74,8 +74,12 @@ def simulate(
     levelled=False,
     along=None,
     level_sigma_arcsec=5.0,
+    along_sigma_m=None,
 ):
-    """Simulate stations that each see their nearest targets, in frames of their own."""
+    """Simulate stations that each see their nearest targets, in frames of their own.
+
+    ``along_sigma_m``: noise along the ray, where it differs from ``sigma_m`` across.
+    """
     rng = np.random.default_rng(1000 + seed)
     places, targets = place_in_hall(count, seed, along=along)
     if levelled:
@@ -92,7 +96,7 @@ def simulate(
     for k, name in enumerate(names):
         nearest_first = np.argsort(np.linalg.norm(targets - places[k], axis=1))[:nearest]
         local = (targets[nearest_first] - places[k]) @ site_from_station[k]
-        local += rng.normal(scale=sigma_m, size=local.shape)
+        local += noise(rng, local, sigma_m, along_sigma_m)
         seen = [
             point(f"T{n + 1:03d}", p, stated_sigma_m or sigma_m)
             for n, p in zip(nearest_first, local, strict=True)
@@ -106,6 +110,16 @@ def simulate(
         translations=(places - places[0]) @ base_from_site.T,
         targets={f"T{n + 1:03d}": base_from_site @ (p - places[0]) for n, p in enumerate(targets)},
     )
+
+
+def noise(rng, places, sigma_m, along_sigma_m):
+    """(n, 3) of it, the part along the rays to (n, 3) places by its own size where that is given."""
+    off = rng.normal(scale=sigma_m, size=places.shape)
+    if along_sigma_m is None:
+        return off
+    rays = places / np.linalg.norm(places, axis=1, keepdims=True)
+    along = rng.normal(scale=along_sigma_m, size=(len(places), 1))
+    return off + (along - np.sum(off * rays, axis=1, keepdims=True)) * rays
 
 
 def pose_errors(poses, simulated):

@@ -97,3 +97,11 @@ def test_points_on_no_cylinder_are_refused():
     points = seen_cylinder(START, END, 0.03, poses, 1, count=4)
     with pytest.raises(StageError):
         fit_rod(points, AXIS, poses, OPTIONS)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_figure_that_no_ray_meets_is_refused():
+    poses = (station((0, 0, 1.6)),)
+    points = seen_sphere(np.array([3.0, 2.0, 4.0]), 0.1, poses, 1)
+    with pytest.raises(StageError, match=r"only 0 of .* rays meet the figure"):
+        fit_ball(points, np.array([3.0, 3.0, 4.0]), 0.1, poses, OPTIONS)

@@ -1,6 +1,6 @@
 """Memory of the tiles grows neither with the number of stations nor with their points.
 
-Small here; the paper's size by hand: ``python -m tests.steel.large_site``.
+Small here; the paper's size by hand: ``python -m tests.steel.large_site`` (tiles) and ``large_survey`` (all).
 """
 
 import json

@@ -2,10 +2,8 @@
 
 import math
 
-import numpy as np
-
 from pipeline.evaluate.documents import Document
-from pipeline.evaluate.steel.figures import most, pairs_by_place, rms, sigma_check
+from pipeline.evaluate.steel.figures import most, pairs_by_place, places_of, rms, sigma_check
 from pipeline.evaluate.steel.structure_errors import ColumnError, ColumnErrors
 
 REACH_M = 0.5
@@ -44,8 +42,8 @@ def _pairs(true: list[Document], found: list[Document]) -> dict[int, int]:
         return {n: names[row.text("name")] for n, row in enumerate(true) if row.text("name") in names}
     flat = [1.0, 1.0, 0.0]
     return pairs_by_place(
-        np.array([row.array("bottom_m", 3) for row in true]).reshape(-1, 3) * flat,
-        np.array([row.array("bottom_m", 3) for row in found]).reshape(-1, 3) * flat,
+        places_of(true, "bottom_m") * flat,
+        places_of(found, "bottom_m") * flat,
         REACH_M,
     )
 

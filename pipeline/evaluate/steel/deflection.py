@@ -9,7 +9,7 @@ import numpy as np
 
 from pipeline.core.vocabulary import Array
 from pipeline.evaluate.documents import Document
-from pipeline.evaluate.steel.figures import most, pairs_by_place, rms, sigma_check
+from pipeline.evaluate.steel.figures import most, pairs_by_place, places_of, rms, sigma_check
 from pipeline.evaluate.steel.structure_errors import DeflectionErrors
 
 REACH_M = 0.1
@@ -21,10 +21,8 @@ def compare_deflection(report: Document, truth: Document) -> DeflectionErrors:
     """Compare every node that the run tells a deflection of and the truth knows."""
     told = report.inside("deflection")
     rows, nodes = list(told.items("rows")), list(truth.items("nodes"))
-    meeting = np.array([row.array("rods_m", 3) for row in nodes]).reshape(-1, 3)
-    pairs = pairs_by_place(
-        np.array([row.array("position_m", 3) for row in rows]).reshape(-1, 3), meeting, REACH_M
-    )
+    meeting = places_of(nodes, "rods_m")
+    pairs = pairs_by_place(places_of(rows, "position_m"), meeting, REACH_M)
     matched = sorted(pairs)
     found = np.array([rows[n].number("deflection_mm") for n in matched])
     places = meeting[[pairs[n] for n in matched]].reshape(-1, 3)

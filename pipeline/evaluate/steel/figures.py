@@ -9,7 +9,8 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from pipeline.core.vocabulary import Array
-from pipeline.evaluate.steel.registration_errors import SigmaCheck
+from pipeline.evaluate.documents import Document
+from pipeline.evaluate.steel.compared import SigmaCheck
 
 ARCSEC_PER_RADIAN = 180 * 3600 / math.pi
 
@@ -66,6 +67,11 @@ def rigid_fit(moving: Array, fixed: Array) -> tuple[Array, Array]:
         ]
     )
     return rotation, fixed.mean(axis=0) - rotation @ moving.mean(axis=0)
+
+
+def places_of(rows: Iterable[Document], key: str) -> Array:
+    """(n, 3) what every row says under ``key``; (0, 3) without any row."""
+    return np.array([row.array(key, 3) for row in rows]).reshape(-1, 3)
 
 
 def pairs_by_place(first: Array, second: Array, reach: float) -> dict[int, int]:

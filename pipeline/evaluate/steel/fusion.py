@@ -9,7 +9,7 @@ from pathlib import PurePath
 import numpy as np
 
 from pipeline.evaluate.documents import Document
-from pipeline.evaluate.steel.figures import most, rigid_fit, rms
+from pipeline.evaluate.steel.figures import most, places_of, rigid_fit, rms
 from pipeline.evaluate.steel.records import FusionErrors
 
 LEAST = 3
@@ -28,7 +28,7 @@ def compare_fusion(report: Document, truth: Document) -> FusionErrors | None:
     rows = [row for row in fusion.items("photos") if PurePath(row.text("name")).stem in true]
     if len(rows) < LEAST:
         return None
-    found = np.array([row.array("position_m", 3) for row in rows])
+    found = places_of(rows, "position_m")
     wanted = np.array([true[PurePath(row.text("name")).stem] for row in rows])
     spread = np.linalg.norm(found - found.mean(axis=0)), np.linalg.norm(wanted - wanted.mean(axis=0))
     turn, shift = rigid_fit(found, wanted)

@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.core.vocabulary import Array
 from pipeline.evaluate.documents import Document
-from pipeline.evaluate.steel.figures import rms
+from pipeline.evaluate.steel.figures import places_of, rms
 from pipeline.evaluate.steel.structure_errors import MemberErrors
 
 TURN = 0.035
@@ -17,8 +17,8 @@ REACH_M = 0.05
 def compare_cylinders(members: Document, key: str, truth: Document, true_key: str) -> MemberErrors:
     """Rods: a find belongs to the true rod whose axis both its ends lie nearest to, within REACH_M."""
     true, found = list(truth.items(true_key)), list(members.items(key))
-    starts = np.array([row.array("start_m", 3) for row in true]).reshape(-1, 3)
-    ends = np.array([row.array("end_m", 3) for row in true]).reshape(-1, 3)
+    starts = places_of(true, "start_m")
+    ends = places_of(true, "end_m")
     owners, places, radii = [], [], []
     for row in found:
         first, last = row.array("start_m", 3), row.array("end_m", 3)
@@ -34,7 +34,7 @@ def compare_cylinders(members: Document, key: str, truth: Document, true_key: st
 def compare_balls(members: Document, truth: Document) -> MemberErrors:
     """Balls: a find belongs to the nearest true ball within REACH_M."""
     true, found = list(truth.items("nodes")), list(members.items("balls"))
-    centres = np.array([row.array("ball_m", 3) for row in true]).reshape(-1, 3)
+    centres = places_of(true, "ball_m")
     owners, places, radii = [], [], []
     for row in found:
         apart = np.linalg.norm(centres - row.array("centre_m", 3), axis=1)

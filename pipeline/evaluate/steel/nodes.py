@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from pipeline.evaluate.documents import Document
-from pipeline.evaluate.steel.figures import most, pairs_by_place, rms, sigma_check
+from pipeline.evaluate.steel.figures import most, pairs_by_place, places_of, rms, sigma_check
 from pipeline.evaluate.steel.structure_errors import NodeError, NodeErrors
 
 REACH_M = 0.1
@@ -18,8 +18,8 @@ def compare_nodes(report: Document, truth: Document) -> NodeErrors:
     true = list(truth.items("nodes"))
     found = [row for row in report.items("nodes") if "size_mm" in row]
     pairs = pairs_by_place(
-        np.array([row.array("ball_m", 3) for row in true]).reshape(-1, 3),
-        np.array([row.array("ball_m", 3) for row in found]).reshape(-1, 3),
+        places_of(true, "ball_m"),
+        places_of(found, "ball_m"),
         REACH_M,
     )
     entries = tuple(_entry(true[n], found[m]) for n, m in sorted(pairs.items()))

@@ -1,26 +1,10 @@
-"""Errors of a registration against the truth: stations, targets, gross errors; units in each name.
-
-Differences are result minus truth; rms is the root mean square; a figure that is not known is NaN.
-"""
+"""Errors of a registration against the truth: stations, targets, gross errors; signs as in compared.py."""
 
 from dataclasses import dataclass
 
+from pipeline.evaluate.steel.compared import Compared
+
 Triple = tuple[float, float, float]
-
-
-@dataclass(frozen=True, kw_only=True)
-class SigmaCheck:
-    """Whether the claimed standard deviations are true.
-
-    Attributes:
-        count: values compared.
-        within_percent: part of the errors that are at most two sigma.
-        over_rms: root mean square of the sigmas over that of the errors: 1 is right, below it too sure.
-    """
-
-    count: int
-    within_percent: float
-    over_rms: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +36,7 @@ class StationError:
 
 
 @dataclass(frozen=True, kw_only=True)
-class StationErrors:
+class StationErrors(Compared):
     """All stations; the rms figures leave out a base that defines the frame.
 
     Attributes:
@@ -67,8 +51,6 @@ class StationErrors:
     """
 
     entries: tuple[StationError, ...]
-    rms_mm: float
-    largest_mm: float
     rms_arcsec: float
     fitted_rms_mm: float
     chained_rms_mm: float
@@ -77,11 +59,10 @@ class StationErrors:
     icp_fitted_rms_mm: float
     fit_rotation_arcsec: float
     fit_translation_mm: float
-    sigma: SigmaCheck
 
 
 @dataclass(frozen=True, kw_only=True)
-class TargetErrors:
+class TargetErrors(Compared):
     """Targets.
 
     Attributes:
@@ -94,9 +75,6 @@ class TargetErrors:
     true: int
     matched: int
     false: int
-    rms_mm: float
-    largest_mm: float
-    sigma: SigmaCheck
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,6 +7,7 @@ from pipeline.evaluate.documents import Document
 from pipeline.evaluate.steel.figures import (
     ARCSEC_PER_RADIAN,
     most,
+    places_of,
     rigid_fit,
     rms,
     rotation_angle,
@@ -31,7 +32,7 @@ def compare_stations(report: Document, truth: Document) -> StationErrors:
     for row in rows:
         if row.text("name") not in true:
             raise report.error(f"station {row.text('name')} is not in {truth.file}")
-    places = np.array([row.array("position_m", 3) for row in rows])
+    places = places_of(rows, "position_m")
     wanted = np.array([true[row.text("name")].array("translation", 3) for row in rows])
     found_targets, true_targets = matched_places(report, truth)
     moving, fixed = np.concatenate([places, found_targets]), np.concatenate([wanted, true_targets])

@@ -1,11 +1,8 @@
-"""Errors of what was measured on the structure: nodes, columns, deflection, members; units in each name.
-
-Differences are result minus truth; rms is the root mean square; a figure that is not known is NaN.
-"""
+"""Errors of what was measured on the structure: nodes, columns, deflection, members; as in compared.py."""
 
 from dataclasses import dataclass
 
-from pipeline.evaluate.steel.registration_errors import SigmaCheck
+from pipeline.evaluate.steel.compared import Compared
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,7 +32,7 @@ class NodeError:
 
 
 @dataclass(frozen=True, kw_only=True)
-class NodeErrors:
+class NodeErrors(Compared):
     """All nodes.
 
     Attributes:
@@ -56,12 +53,9 @@ class NodeErrors:
     false: int
     false_percent: float
     missed: int
-    rms_mm: float
-    largest_mm: float
     amount_rms_mm: float
     amount_largest_mm: float
     ball_rms_mm: float
-    sigma: SigmaCheck
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,7 +84,7 @@ class ColumnError:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ColumnErrors:
+class ColumnErrors(Compared):
     """All columns.
 
     Attributes:
@@ -105,19 +99,16 @@ class ColumnErrors:
 
     entries: tuple[ColumnError, ...]
     missing: tuple[str, ...]
-    rms_mm: float
-    largest_mm: float
     component_rms_mm: float
     component_largest_mm: float
     right: int
     wrong: int
     over: int
     truly_over: int
-    sigma: SigmaCheck
 
 
 @dataclass(frozen=True, kw_only=True)
-class DeflectionErrors:
+class DeflectionErrors(Compared):
     """Deflection of the balls below the plane of the supports, which the truth is put to as well.
 
     Attributes:
@@ -129,12 +120,9 @@ class DeflectionErrors:
     """
 
     nodes: int
-    rms_mm: float
-    largest_mm: float
     found_mm: float
     true_mm: float
     verdict_right: bool
-    sigma: SigmaCheck
 
 
 @dataclass(frozen=True, kw_only=True)

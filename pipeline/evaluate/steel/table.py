@@ -1,7 +1,8 @@
 """The evaluation of a steel run as text for the screen, in aligned columns; what is not known is a dash."""
 
+from pipeline.evaluate.steel.compared import SigmaCheck
 from pipeline.evaluate.steel.records import FusionErrors, SteelEvaluation
-from pipeline.evaluate.steel.registration_errors import GrossVerdict, SigmaCheck, StationErrors, TargetErrors
+from pipeline.evaluate.steel.registration_errors import GrossVerdict, StationErrors, TargetErrors
 from pipeline.evaluate.steel.structure_errors import ColumnErrors, DeflectionErrors, MemberErrors, NodeErrors
 from pipeline.evaluate.text import aligned, number
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from pipeline.core.vocabulary import Array
 from pipeline.evaluate.documents import Document
-from pipeline.evaluate.steel.figures import most, pairs_by_place, rms, sigma_check
+from pipeline.evaluate.steel.figures import most, pairs_by_place, places_of, rms, sigma_check
 from pipeline.evaluate.steel.registration_errors import TargetErrors
 
 SAME_M = 0.5
@@ -64,7 +64,7 @@ def _pairs(rows: list[Document], truth: Document) -> list[tuple[Document, Array]
             open_rows.append(row)
     names = [(name, place) for name, choice in left.items() for place in choice]
     by_place = pairs_by_place(
-        np.array([row.array("position_m", 3) for row in open_rows]).reshape(-1, 3),
+        places_of(open_rows, "position_m"),
         np.array([place for _, place in names]).reshape(-1, 3),
         REACH_M,
     )

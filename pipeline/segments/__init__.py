@@ -6,6 +6,6 @@ The map, in the order of the data:
 - ``part``: one segment through the stages, first at nominal and then at true scale (``scaling``);
 - ``traverse``: the segments' scales and places, adjusted between the ends of the whole travel;
 - ``told``: what a finished segment tells of the whole;
-- ``whole_ring``, ``whole``: the joined surface and the report on the whole;
+- ``joined``: all of them as one product, from the joined surface (``whole_ring``) and report (``whole``);
 - ``survey_run``: the order of all this, and what happens to a segment in which nothing can be found.
 """

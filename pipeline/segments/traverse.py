@@ -7,7 +7,9 @@ the same rig all along, and the travel as a whole, which gives the one scale tha
 adjustment is that of a traverse between two known points (Ghilani, *Adjustment Computations*, 6th edition,
 2017, chapter 16), with scales in the place of angles.
 
-Takes each segment's :class:`~pipeline.cable.joint_path.RingPath`; gives a :class:`Placement` each.
+How the robot turns about the cable follows from the cameras' attitudes in the shared frames.
+
+Takes each :class:`AdjustedSegment`; gives a :class:`Placement` each.
 """
 
 from dataclasses import dataclass
@@ -16,6 +18,7 @@ from itertools import pairwise
 import numpy as np
 
 from pipeline.cable.joint_path import RingPath
+from pipeline.core.rotations import vector_from_rotation
 from pipeline.core.vocabulary import Array
 from pipeline.segments.plan import Segment, TraverseOptions
 
@@ -23,6 +26,19 @@ UNSEEN_SHARE = 0.02
 """How far the robot's speed may be from its mean where no picture tells, relative."""
 STEPS = 20
 """Of the adjustment: two are enough to the last digit, its variance components take some more."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class AdjustedSegment:
+    """What is kept of an adjusted segment.
+
+    Attributes:
+        path: the robot's way and the size of its ring.
+        rotations: (cameras, frames, 3, 3) cam_from_cable; no cameras where nothing was found.
+    """
+
+    path: RingPath
+    rotations: Array
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,6 +50,7 @@ class Placement:
         scale_sigma: standard deviation of the scale, the travel's own error included.
         start_m: place of its frame's origin, true metres from the first frame of the survey.
         from_m, to_m: the part of the cable that is told from this segment, not from a neighbour.
+        roll: added to its azimuths gives those of the first segment, radians.
         link_ppm: how far the scale from the frames shared with the next segment differs from the adjusted
             one; NaN for the last.
     """
@@ -43,6 +60,7 @@ class Placement:
     start_m: float
     from_m: float
     to_m: float
+    roll: float
     link_ppm: float
 
     def here(self, position_m: float, last: bool) -> bool:
@@ -52,7 +70,7 @@ class Placement:
 
 def close_traverse(
     segments: tuple[Segment, ...],
-    paths: tuple[RingPath, ...],
+    adjusted: tuple[AdjustedSegment, ...],
     travel_m: float,
     travel_sigma_m: float,
     known: TraverseOptions,
@@ -61,10 +79,11 @@ def close_traverse(
 
     Args:
         segments: at least two, each sharing frames with the next.
-        paths: as adjusted, each in its own frame.
+        adjusted: each in its own frame.
         travel_m, travel_sigma_m: of the whole survey, first frame to last.
         known: how well rings and links are known beyond what the adjustments tell.
     """
+    paths = tuple(a.path for a in adjusted)
     links = [_link(a, b, p, q) for (a, b), (p, q) in zip(pairwise(segments), pairwise(paths), strict=True)]
     hands = [_hand_over(a, b) for a, b in pairwise(segments)]
     lengths = _lengths(segments, paths, hands)
@@ -76,6 +95,7 @@ def close_traverse(
         reached[n] - scales[n] * path.y_m[_begin(segment, hands, n) - segment.first]
         for n, (segment, path) in enumerate(zip(segments, paths, strict=True))
     ]
+    rolls = _rolls(segments, adjusted)
     return tuple(
         Placement(
             scale=float(scales[n]),
@@ -83,13 +103,14 @@ def close_traverse(
             start_m=float(starts[n]),
             from_m=float(reached[n]),
             to_m=float(reached[n + 1]),
+            roll=rolls[n],
             link_ppm=float(gaps[n]) if n < len(gaps) else float("nan"),
         )
         for n in range(len(segments))
     )
 
 
-def unseen_path(nominal_m: Array, size_m: float) -> RingPath:
+def unseen_segment(nominal_m: Array, size_m: float) -> AdjustedSegment:
     """What stands for a segment in which nothing was found: its nominal places, known to UNSEEN_SHARE.
 
     Args:
@@ -97,12 +118,27 @@ def unseen_path(nominal_m: Array, size_m: float) -> RingPath:
         size_m: of the ring, from the other segments.
     """
     spread_m = float(np.linalg.norm(nominal_m - nominal_m.mean()))
-    return RingPath(
+    path = RingPath(
         y_m=nominal_m - nominal_m[0],
         covariance_m2=(UNSEEN_SHARE * spread_m) ** 2 * np.eye(len(nominal_m)),
         size_m=size_m,
         size_sigma_m=UNSEEN_SHARE * size_m,
     )
+    return AdjustedSegment(path=path, rotations=np.zeros((0, len(nominal_m), 3, 3)))
+
+
+def _rolls(segments: tuple[Segment, ...], adjusted: tuple[AdjustedSegment, ...]) -> list[float]:
+    """Each segment's azimuths in the first one's, radians: turn by turn over the frames that two share."""
+    rolls = [0.0]
+    for (one, other), (a, b) in zip(pairwise(segments), pairwise(adjusted), strict=True):
+        shared = np.arange(other.first, one.last + 1)
+        first, second = a.rotations[:, shared - one.first], b.rotations[:, shared - other.first]
+        if not first.size or not second.size:
+            rolls.append(rolls[-1])
+            continue
+        other_from_one = np.swapaxes(second, -1, -2) @ first
+        rolls.append(rolls[-1] - float(vector_from_rotation(other_from_one)[..., 1].mean()))
+    return rolls
 
 
 def _hand_over(one: Segment, other: Segment) -> int:

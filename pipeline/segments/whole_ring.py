@@ -17,6 +17,7 @@ from pipeline.core.vocabulary import Array
 
 MOST_CELLS = 1_500_000
 MOST_TEXELS = 30_000_000
+ROWS = 512
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,19 +103,26 @@ class _Whole:
 
     def ring(self) -> Ring:
         known = self._weight > 0
-        colour = self._colour / np.maximum(self._known, 1e-6)[..., None]
         return Ring(
             alignment=Alignment(rotation=np.eye(3), translation=np.zeros(3)),
             azimuth=self._azimuth,
             y_m=self._y_m,
             radius_m=np.where(known, self._radius / np.where(known, self._weight, 1), np.nan),
             measured=self._measured,
-            picture=np.rint(np.clip(colour, 0, 255)).astype(np.uint8),
+            picture=self._picture(),
             picture_known=self._known > 1e-3,
             picture_y_m=self._picture_y_m,
             picture_azimuth=self._picture_azimuth,
             texel_mm=self._texel_mm,
         )
+
+    def _picture(self) -> NDArray[np.uint8]:
+        picture = np.empty(self._colour.shape, np.uint8)
+        for first in range(0, len(picture), ROWS):  # or the steps in between would be whole pictures as well
+            rows = slice(first, first + ROWS)
+            mean = self._colour[rows] / np.maximum(self._known[rows], 1e-6)[..., None]
+            picture[rows] = np.rint(np.clip(mean, 0, 255))
+        return picture
 
 
 class _Resampled:

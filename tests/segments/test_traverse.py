@@ -4,10 +4,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from pipeline.cable.joint_path import RingPath
 from pipeline.segments.plan import SegmentOptions, TraverseOptions, cut
-from pipeline.segments.traverse import close_traverse
+from pipeline.segments.traverse import AdjustedSegment, close_traverse, unseen_segment
 
 FRAMES, STEP_M, RING_M = 200, 0.015, 0.3
 
@@ -41,8 +42,18 @@ def surveyed(true_y, noise_m=0.0, seed=1, size_share=1e-5, size_noise=0.0):
     return segments, tuple(paths)
 
 
+def adjusted(segment, path, turn_deg=0.0, cameras=4):
+    """As adjusted with a robot that turns steadily: each segment calls its own mean attitude zero."""
+    frames = np.arange(segment.first, segment.last + 1)
+    angles = np.radians(turn_deg * (frames - frames.mean()))
+    turned = Rotation.from_rotvec(np.outer(angles, [0, 1, 0])).inv().as_matrix()
+    mounts = Rotation.from_rotvec(np.outer(np.arange(cameras), [0.3, 1.0, -0.2])).as_matrix()
+    return AdjustedSegment(path=path, rotations=mounts[:, None] @ turned)
+
+
 def closed(segments, paths, travel_m, sigma_m=1e-6, **options):
-    return close_traverse(segments, paths, travel_m, sigma_m, TraverseOptions(**options))
+    known = TraverseOptions(**options)
+    return close_traverse(segments, tuple(map(adjusted, segments, paths)), travel_m, sigma_m, known)
 
 
 def true_scales(segments, true_y):
@@ -123,3 +134,27 @@ def test_a_link_that_disagrees_is_told():
     assert np.nanargmax(np.abs(told)) == 1
     assert abs(told[1]) > 300
     assert np.isnan(told[-1])
+
+
+def test_the_roll_of_the_robot_is_followed_from_segment_to_segment():
+    true_y = wandering()
+    segments, paths = surveyed(true_y)
+    turning = tuple(adjusted(s, p, turn_deg=0.1) for s, p in zip(segments, paths, strict=True))
+    placed = close_traverse(segments, turning, true_y[-1], 1e-6, TraverseOptions())
+    middles = np.array([(s.first + s.last) / 2 for s in segments])
+    assert np.degrees([p.roll for p in placed]) == pytest.approx(0.1 * (middles - middles[0]), abs=1e-6)
+
+
+def test_a_segment_in_which_nothing_was_found_is_bridged_by_the_even_travel():
+    true_y = wandering(7)
+    segments, paths = surveyed(true_y)
+    nominal_m = STEP_M * np.arange(FRAMES)
+    made = [adjusted(s, p) for s, p in zip(segments, paths, strict=True)]
+    made[1] = unseen_segment(nominal_m[segments[1].frames], RING_M)
+    placed = close_traverse(segments, tuple(made), true_y[-1] - true_y[0], 1e-6, TraverseOptions())
+    expected = true_scales(segments, true_y)
+    for n, (one, scale) in enumerate(zip(placed, expected, strict=True)):
+        if n != 1:  # the ring still ties the others to each other; the whole hangs on the gap
+            assert one.scale / placed[0].scale == pytest.approx(scale / expected[0], rel=1e-4)
+            assert abs(one.scale / scale - 1) < 3 * one.scale_sigma
+    assert placed[1].scale_sigma > 20 * 50e-6

@@ -1,0 +1,151 @@
+"""The finished segments as one product: surface, page and files of the whole cable.
+
+Takes each :class:`FinishedSegment`; writes into the run folder.  The segments' surfaces are read one after
+the other; what they tell is small.
+"""
+
+import time
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pipeline.cable.ring import Ring
+from pipeline.cable.survey import Survey
+from pipeline.core import store
+from pipeline.core.errors import StageError
+from pipeline.core.events import Emit, Event
+from pipeline.core.memory import peak_memory_mb
+from pipeline.core.runfolder import RunFolder
+from pipeline.core.vocabulary import FrameSequence
+from pipeline.report.labels import Language
+from pipeline.report.segment_records import SegmentSummary
+from pipeline.report.types import ReportData, TruthStation
+from pipeline.report.written import write_files
+from pipeline.segments.plan import Segment
+from pipeline.segments.told import Told
+from pipeline.segments.traverse import Placement
+from pipeline.segments.whole import whole_report
+from pipeline.segments.whole_ring import Place, join_rings
+
+
+@dataclass(frozen=True, kw_only=True)
+class FinishedSegment:
+    """One segment at its end.
+
+    Attributes:
+        segment, placement: which, and where it lies.
+        folder: its run folder.
+        told: what it tells; None where nothing could be found in it, and then
+        lost: why.
+    """
+
+    segment: Segment
+    placement: Placement
+    folder: RunFolder
+    told: Told | None
+    lost: StageError | None
+
+
+def write_whole(
+    survey: Survey,
+    frames: FrameSequence,
+    segments: tuple[FinishedSegment, ...],
+    folder: RunFolder,
+    truth: tuple[TruthStation, ...],
+    language: Language,
+    emit: Emit,
+) -> ReportData:
+    """Join the segments, and write everything a person opens of the whole.
+
+    Args:
+        survey: the whole one.
+        frames: of its first block.
+        segments: all of them, in order; at least one with something to tell.
+        folder: of the whole run.
+        truth: true diameters, where they are known.
+        language: that the page opens in.
+        emit: progress; may raise Cancelled.
+
+    Raises:
+        StageError: the folder cannot be written.
+    """
+    began = time.monotonic()
+    emit(Event(stage="report", done=0, total=1))
+    there = [s for s in segments if s.told is not None]
+    rings = (store.load(Ring, s.folder.path / "products" / "all-ring.npz", s.folder.root) for s in there)
+    nominal_m = frames.places_m(survey.cable.travel_m)
+    ring = join_rings(rings, _places(segments, nominal_m), survey.cable.travel_m)
+    data = whole_report(
+        survey,
+        tuple(s.told for s in there if s.told is not None),
+        tuple(_summary(s, nominal_m) for s in there),
+        ring,
+        len(frames),
+        truth,
+        _seconds(folder, segments),
+        peak_memory_mb(),
+    )
+    data = replace(data, warnings=_gaps(segments) + data.warnings)
+    return write_files(data, ring, folder.path, language, emit, began)
+
+
+def _places(segments: tuple[FinishedSegment, ...], nominal_m: np.ndarray) -> list[Place]:
+    """Where the surfaces go; each fades into the neighbours that are there."""
+    places = []
+    for before, here, behind in zip((None, *segments), segments, (*segments[1:], None), strict=False):
+        if here.told is not None:
+            places.append(
+                Place(
+                    start_m=here.placement.start_m,
+                    roll=here.placement.roll,
+                    fade_in_m=_fade(before, here, nominal_m),
+                    fade_out_m=_fade(here, behind, nominal_m),
+                )
+            )
+    return places
+
+
+def _fade(
+    one: FinishedSegment | None, other: FinishedSegment | None, nominal_m: np.ndarray
+) -> tuple[float, float] | None:
+    """The inner half of the range that two neighbours share: near its end a segment sees less."""
+    if one is None or other is None or one.told is None or other.told is None:
+        return None
+    quarter_m = float(nominal_m[one.segment.last] - nominal_m[other.segment.first]) / 4
+    return one.placement.to_m - quarter_m, one.placement.to_m + quarter_m
+
+
+def _summary(of: FinishedSegment, nominal_m: np.ndarray) -> SegmentSummary:
+    segment, placement = of.segment, of.placement
+    return SegmentSummary(
+        name=segment.name,
+        from_m=placement.from_m,
+        to_m=placement.to_m,
+        start_m=placement.start_m,
+        length_m=placement.scale * float(nominal_m[segment.last] - nominal_m[segment.first]),
+        frames=segment.last - segment.first + 1,
+        scale=placement.scale,
+        scale_sigma=placement.scale_sigma,
+        roll_deg=float(np.rad2deg(placement.roll)),
+        link_ppm=placement.link_ppm,
+    )
+
+
+def _seconds(whole: RunFolder, segments: tuple[FinishedSegment, ...]) -> dict[str, float]:
+    """Time of every stage, all segments together."""
+    seconds = whole.stage_seconds()
+    for one in segments:
+        for stage, value in one.folder.stage_seconds().items():
+            name = "joint" if stage == "joint_nominal" else stage
+            seconds[name] = round(seconds.get(name, 0.0) + value, 3)
+    return seconds
+
+
+def _gaps(segments: tuple[FinishedSegment, ...]) -> tuple[str, ...]:
+    """A sentence for each segment in which nothing was found."""
+    return tuple(
+        f"Segment {s.segment.name}, {s.placement.from_m:.2f} to {s.placement.to_m:.2f} m, is missing: "
+        f"{s.lost.cause}."
+        for s in segments
+        if s.lost is not None
+    )

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipeline.opened import OpenedRun, open_run
+from pipeline.opened import OpenedRun, open_run, whole_of
 from pipeline.segments.plan import SEGMENTS
 
 if TYPE_CHECKING:
@@ -23,11 +23,6 @@ def segments_of(folder: Path) -> tuple[Path, ...]:
     if (folder / "products" / "all-mosaic.npz").exists():
         return ()
     return tuple(sorted(p.parent for p in (folder / SEGMENTS).glob("*/products")))
-
-
-def whole_of(folder: Path) -> Path:
-    """The run folder of the whole survey: of a segment two folders up, else the same."""
-    return folder.parent.parent if folder.parent.name == SEGMENTS else folder
 
 
 def chosen(folder: Path, number: int) -> Path:

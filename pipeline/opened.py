@@ -161,7 +161,7 @@ def _load[T](folder: Path, stage: str, kind: type[T], block: str = "all") -> T |
     if not (file.exists() and file.with_suffix(".stamp").exists()):
         return None
     try:
-        return store.load(kind, file, _root(folder))
+        return store.load(kind, file, whole_of(folder))
     except FileNotFoundError as error:
         raise StageError(
             "run", f"{error.filename or file} of {folder.name} is gone", "run the reconstruction again"
@@ -174,8 +174,11 @@ def _load[T](folder: Path, stage: str, kind: type[T], block: str = "all") -> T |
         ) from error
 
 
-def _root(folder: Path) -> Path:
-    """What the names of files are kept relative to: of a segment, the folder of the whole run."""
+def whole_of(folder: Path) -> Path:
+    """The run folder of the whole survey: of a segment two folders up, else the same.
+
+    Names of files are kept relative to it.
+    """
     return folder.parent.parent if folder.parent.name == SEGMENTS else folder
 
 

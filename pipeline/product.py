@@ -22,6 +22,7 @@ from pipeline.report.labels import Language
 from pipeline.report.metrics import compare_with_truth, mean_absolute_error_mm
 from pipeline.report.types import ReportData, TruthStation
 from pipeline.report.written import write_run
+from pipeline.segments.leftovers import drop_leftovers
 from pipeline.segments.plan import Segment, cut
 from pipeline.segments.survey_run import SegmentedRun
 from pipeline.set_aside import drop_set_aside, none_if_refused, set_aside
@@ -67,20 +68,18 @@ def make_product(
         if pairs:
             read_pairs(pairs, tuple(b.name for b in survey.blocks))  # tells now, and not minutes later
         folder_of = partial(_folder, start, only)
-        folder = folder_of(out)
-        write_json(folder.path / "options.json", options, "run")
+        chain = Chain(survey, options, folder_of(out), emit)
+        write_json(chain.folder.path / "options.json", options, "run")
         last = only or "report"
         if last == "report":
             _load_page_early()
-        chain = Chain(survey, options, folder, emit)
         chain.run("frames", pairs)
         segments = _segments(chain, options, pairs)
         if last == "frames":
-            data = None
-        elif len(segments) > 1:
-            frames = tuple(chain.made["frames"])
-            run = SegmentedRun(survey, options, frames, segments, folder, folder_of, emit)
-            data = run.write(true, language, last)
+            return f"{last} is done in {out}"
+        drop_leftovers(out, segments)
+        if len(segments) > 1:
+            data = SegmentedRun(survey, options, chain, segments, folder_of).write(true, language, last)
         else:
             data = _in_one_piece(chain, pairs, last, true, language)
         if data is None:

@@ -5,13 +5,14 @@ from pathlib import Path
 import bpy
 
 from pipeline.core.errors import StageError
+from pipeline.opened import whole_of
 
 from ..preferences import preferences
 from ..results.collections import BLOCKS, MOSAIC, SPARSE
 from ..results.show import show_run
 from ..results.steel_run import is_steel
 from ..results.view import clear_startup, frame, show_pictures
-from ..segments import chosen, number_of, segments_of, whole_of
+from ..segments import chosen, number_of, segments_of
 from .base import FolderChoice, Operator
 from .running import run_folder
 

@@ -3,6 +3,7 @@
 The map, in the order of the data:
 
 - ``plan``: how many frames make a segment, and where the survey is cut;
+- ``leftovers``: what is cleared away of a survey that was cut otherwise before;
 - ``part``: one segment through the stages, first at nominal and then at true scale (``scaling``);
 - ``traverse``: the segments' scales and places, adjusted between the ends of the whole travel;
 - ``told``: what a finished segment tells of the whole;

@@ -5,6 +5,7 @@ the other; what they tell is small.
 """
 
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,7 +14,7 @@ from pipeline.cable.ring import Ring
 from pipeline.cable.survey import Survey
 from pipeline.core import store
 from pipeline.core.errors import StageError
-from pipeline.core.events import Emit, Event
+from pipeline.core.events import Emit, Event, part
 from pipeline.core.memory import peak_memory_mb
 from pipeline.core.runfolder import RunFolder
 from pipeline.core.vocabulary import FrameSequence
@@ -70,10 +71,9 @@ def write_whole(
         StageError: the folder cannot be written.
     """
     began = time.monotonic()
-    emit(Event(stage="report", done=0, total=1))
     there = [s for s in segments if s.told is not None]
-    rings = (store.load(Ring, s.folder.path / "products" / "all-ring.npz", s.folder.root) for s in there)
     nominal_m = frames.places_m(survey.cable.travel_m)
+    rings = _rings(there, part(emit, 0.0, 0.5))
     ring = join_rings(rings, _places(segments, nominal_m), survey.cable.travel_m)
     data = whole_report(
         survey,
@@ -86,7 +86,14 @@ def write_whole(
         peak_memory_mb(),
     )
     data = replace(data, warnings=_gaps(segments) + data.warnings)
-    return write_files(data, ring, folder.path, language, emit, began)
+    return write_files(data, ring, folder.path, language, part(emit, 0.5, 1.0), began)
+
+
+def _rings(segments: list[FinishedSegment], emit: Emit) -> Iterator[Ring]:
+    """The segments' surfaces, read when they are asked for."""
+    for number, one in enumerate(segments):
+        emit(Event(stage="report", done=number, total=len(segments)))
+        yield store.load(Ring, one.folder.path / "products" / "all-ring.npz", one.folder.root)
 
 
 def _places(segments: tuple[FinishedSegment, ...], nominal_m: np.ndarray) -> list[Place]:
@@ -133,7 +140,7 @@ def _summary(of: FinishedSegment, nominal_m: np.ndarray) -> SegmentSummary:
 
 def _seconds(whole: RunFolder, segments: tuple[FinishedSegment, ...]) -> dict[str, float]:
     """Time of every stage, all segments together."""
-    seconds = whole.stage_seconds()
+    seconds = {stage: value for stage, value in whole.stage_seconds().items() if stage == "frames"}
     for one in segments:
         for stage, value in one.folder.stage_seconds().items():
             name = "joint" if stage == "joint_nominal" else stage

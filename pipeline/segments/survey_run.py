@@ -12,12 +12,13 @@ from pathlib import Path
 
 import numpy as np
 
+from pipeline.cable.chain import Chain
 from pipeline.cable.joint import RingOrientation
 from pipeline.cable.records import CableOptions
 from pipeline.cable.run import STAGES
 from pipeline.cable.survey import Survey
 from pipeline.core.errors import StageError
-from pipeline.core.events import Emit, Event
+from pipeline.core.events import Event
 from pipeline.core.runfolder import Product, RunFolder
 from pipeline.core.vocabulary import FrameSequence
 from pipeline.report.labels import Language
@@ -39,25 +40,23 @@ class SegmentedRun:
 
     Args:
         survey, options: of the whole.
-        frames: of the whole, all blocks.
+        whole: its chain, with the frames made; its progress may raise Cancelled.
         segments: at least two.
-        folder: of the whole run.
         folder_of: makes the run folder of a segment, from its path and that of the whole.
-        emit: progress; may raise Cancelled.
     """
 
     def __init__(
         self,
         survey: Survey,
         options: CableOptions,
-        frames: tuple[Product[FrameSequence], ...],
+        whole: Chain,
         segments: tuple[Segment, ...],
-        folder: RunFolder,
         folder_of: Callable[[Path, Path], RunFolder],
-        emit: Emit,
     ) -> None:
-        self._survey, self._options, self._emit = survey, options, emit
-        self._frames, self._segments, self._folder = frames, segments, folder
+        self._survey, self._options, self._emit = survey, options, whole.emit
+        self._frames: tuple[Product[FrameSequence], ...] = tuple(whole.made["frames"])
+        self._segments, self._folder = segments, whole.folder
+        folder = whole.folder
         self._folders = [folder_of(folder.path / SEGMENTS / s.name, folder.path) for s in segments]
         self._lost: dict[int, StageError] = {}
 

@@ -134,3 +134,26 @@ def test_where_no_segment_has_anything_the_run_is_refused(rendered, tmp_path, mo
     with pytest.raises(StageError, match="Block1 has no marks"):
         make_product(read_survey(rendered / "survey.toml"), tmp_path / "run", silent, assignments=CUT)
     assert not (tmp_path / "run" / "report.json").exists()
+
+
+def test_cut_otherwise_nothing_of_the_earlier_cut_is_left_to_be_opened(long_run, rendered, tmp_path):
+    run = tmp_path / "run"
+    shutil.copytree(long_run, run)
+    survey = read_survey(rendered / "survey.toml")
+    shutil.copytree(run / "segments" / "002", run / "segments" / "009")
+    make_product(survey, run, silent, assignments=CUT)
+    assert not (run / "segments" / "009").exists()
+    cut = json.loads((run / "report.json").read_text())
+    make_product(survey, run, silent, assignments=("segments.frames=0",))
+    assert not list((run / "segments").glob("*"))
+    assert open_run(run).mosaic is not None
+    whole = json.loads((run / "report.json").read_text())
+    assert "segments" not in whole
+    for one, other in zip(whole["stations"], cut["stations"], strict=True):
+        assert abs(one["diameter_mm"] - other["diameter_mm"]) < 2 * np.hypot(
+            one["sigma_mm"], other["sigma_mm"]
+        )
+    make_product(survey, run, silent, assignments=CUT)
+    assert not (run / "products" / "all-mosaic.npz").exists()
+    with pytest.raises(StageError, match="choose one of the folders in"):
+        open_run(run)

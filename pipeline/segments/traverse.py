@@ -25,7 +25,7 @@ from pipeline.segments.plan import Segment, TraverseOptions
 UNSEEN_SHARE = 0.02
 """How far the robot's speed may be from its mean where no picture tells, relative."""
 STEPS = 20
-"""Of the adjustment: two are enough to the last digit, its variance components take some more."""
+"""Of the adjustment: two are enough to the last digit, its variance factor takes some more."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -187,8 +187,9 @@ def _adjusted(
 ) -> tuple[Array, Array]:
     """Scales (n,) and the covariance of their logarithms (n, n); the last unknown is the ring's true size.
 
-    Rings and links are two groups of observations, each with a variance component that is estimated with the
-    scales and never taken below one: what they contradict each other by, they are not worth.
+    What rings and links contradict each other by, they are not worth: the variance factor of both together is
+    estimated with the scales, and never taken below one.  A component for each would need far more segments:
+    with four it believes one of the two and blames the other, at random.
     """
     count = len(paths)
     rings, between = np.arange(count), np.arange(count, 2 * count - 1)
@@ -202,18 +203,16 @@ def _adjusted(
     sigma[between] = [np.hypot(s, known.link_ppm / 1e6) for _, s in links]
     # the travel binds: an error of its own beside what is known of it would be none of the pictures'
     sigma[-1] = max(travel_sigma_m / travel_m, 1e-9)
-    unknown, factors = np.append(np.zeros(count), sizes.mean()), np.ones(2 * count)
+    unknown, factor = np.append(np.zeros(count), sizes.mean()), 1.0
     for _ in range(STEPS):
         parts = np.exp(unknown[:count]) * lengths
         design[-1, :count] = parts / travel_m
         wrong = np.append(observed - design[:-1] @ unknown, 1 - parts.sum() / travel_m)
-        weighted = design / (sigma * factors)[:, None]
+        worth = np.append(factor * sigma[:-1], sigma[-1])
+        weighted = design / worth[:, None]
         covariance = np.linalg.inv(weighted.T @ weighted)
-        step = covariance @ weighted.T @ (wrong / (sigma * factors))
+        step = covariance @ weighted.T @ (wrong / worth)
         unknown = unknown + step
-        left = ((wrong - design @ step) / (sigma * factors)) ** 2
-        free = 1 - np.einsum("ij,jk,ik->i", weighted, covariance, weighted)
-        for group in (rings, between):
-            component = left[group].sum() / max(free[group].sum(), 1e-6)
-            factors[group] = np.maximum(factors[group] * np.sqrt(component), 1.0)
+        left = (wrong - design @ step)[:-1] / sigma[:-1]
+        factor = max(float(np.sqrt(left @ left / (count - 1))), 1.0)  # redundancy: one less than segments
     return np.exp(unknown[:count]), covariance[:count, :count]

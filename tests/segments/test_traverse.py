@@ -1,5 +1,6 @@
 """Scales, places and their standard deviations of segments, from paths that are made up exactly."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -158,3 +159,24 @@ def test_a_segment_in_which_nothing_was_found_is_bridged_by_the_even_travel():
             assert one.scale / placed[0].scale == pytest.approx(scale / expected[0], rel=1e-4)
             assert abs(one.scale / scale - 1) < 3 * one.scale_sigma
     assert placed[1].scale_sigma > 20 * 50e-6
+
+
+def test_shared_frames_carry_the_scale_where_the_ring_says_little():
+    true_y = wandering(8)
+    segments, paths = surveyed(true_y, size_share=0.01, size_noise=0.01)
+    placed = closed(segments, paths, true_y[-1] - true_y[0])
+    for one, scale in zip(placed, true_scales(segments, true_y), strict=True):
+        assert one.scale == pytest.approx(scale, rel=2e-4)
+
+
+def test_what_rings_and_links_contradict_each_other_by_they_are_not_worth():
+    """Links that are worse by far than the adjustments believe: sigma must not believe them either."""
+    errors, sigmas = [], []
+    for seed in range(20):
+        true_y = wandering(seed)
+        segments, paths = surveyed(true_y, noise_m=1e-4, seed=seed, size_noise=1e-3)
+        sure = [replace(p, covariance_m2=1e-14 * np.eye(len(p.y_m))) for p in paths]
+        placed = closed(segments, tuple(sure), true_y[-1] - true_y[0], ring_ppm=10.0, link_ppm=10.0)
+        errors.append([p.scale / t - 1 for p, t in zip(placed, true_scales(segments, true_y), strict=True)])
+        sigmas.append([p.scale_sigma for p in placed])
+    assert 0.5 < np.sqrt(np.mean(np.square(sigmas)) / np.mean(np.square(errors))) < 3

@@ -1,9 +1,14 @@
 """Where the ring of cameras was along the cable, how large it is, and how sure that is."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from pipeline.cable.joint import JointOptions, adjust_ring
+from pipeline.cable.joint_path import ring_path
+from pipeline.core.rig import Rig
 from tests.cable import ring_scene, scene
 
 
@@ -43,3 +48,35 @@ def test_sigmas_tell_the_spread_over_noise(views):
     by[[5, 0, -1]] = 1, -0.5, -0.5
     sigma = np.mean([np.sqrt(by @ p.covariance_m2 @ by) for p in paths])
     assert inner.std(ddof=1) / sigma == pytest.approx(1, abs=0.5)
+
+
+def test_place_and_size_follow_every_unknown_as_the_rig_itself_moves():
+    """Three cameras, so that their middle is off the axis and turns with the body."""
+    rng = np.random.default_rng(4)
+    rotations = Rotation.from_rotvec(rng.normal(0, 0.3, (5, 3))).as_matrix()
+    rig = Rig(
+        body_rotations=rotations[:2],
+        body_centres=rng.normal(0, 0.1, (2, 3)),
+        mount_rotations=rotations[2:],
+        mount_centres=0.3 * scene.out_of_cable(np.radians([0, 90, 180])) + rng.normal(0, 0.01, (3, 3)),
+        lenses=np.tile([400.0, 160.0, 100.0, 0.0], (3, 1)),
+        points=np.zeros((0, 3)),
+    )
+
+    def told(of):
+        centres = of.body_centres[:, None] + np.einsum("fji,cj->fci", of.body_rotations, of.mount_centres)
+        spread = centres - centres.mean(axis=1, keepdims=True)
+        return centres[..., 1].mean(axis=1), np.sqrt(np.mean(np.sum(spread**2, axis=2), axis=1))[0]
+
+    for unknown in range(rig.unknowns):
+        step = np.zeros(rig.unknowns)
+        step[unknown] = 1e-6
+        there, here = (told(rig.moved(s, np.zeros((0, 3)))) for s in (step, -step))
+        covariance = np.zeros((rig.unknowns, rig.unknowns))
+        covariance[unknown, unknown] = 1.0
+        path = ring_path(SimpleNamespace(rig=rig, covariance=covariance))
+        assert np.sqrt(np.diag(path.covariance_m2)) == pytest.approx(
+            np.abs(there[0] - here[0]) / 2e-6, abs=1e-6
+        )
+        assert path.size_sigma_m == pytest.approx(abs(there[1] - here[1]) / 2e-6, abs=1e-6)
+    assert (path.y_m, path.size_m) == (pytest.approx(told(rig)[0]), pytest.approx(told(rig)[1]))

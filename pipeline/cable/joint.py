@@ -28,14 +28,17 @@ from pipeline.cable.joint_sigmas import block_covariance, diameter_sigmas, refin
 from pipeline.cable.joint_surface import SurfaceEffect, prior_for, tie_point_diameters
 from pipeline.cable.joint_weights import weighed
 from pipeline.cable.pos import RobotPriors
-from pipeline.core.bundle import BundleOptions, BundleResult, adjust_bundle
+from pipeline.core.bundle import BundleOptions, BundleResult, RigPriors, adjust_bundle
 from pipeline.core.events import Emit, Event
 from pipeline.core.parallel import each_side_by_side
 from pipeline.core.rig import Observations, Rig
 from pipeline.core.smooth_surface import SurfacePrior
 from pipeline.core.vocabulary import Array
 
-__all__ = ["JointBlock", "JointOptions", "RingOrientation", "adjust_ring"]
+__all__ = ["JointBlock", "JointOptions", "RingOrientation", "adjust_ring", "orient_ring"]
+
+LENS_POINTS = 500
+"""So many tie points of each block tell the lenses to a part in a thousand."""
 
 SURFACE_TOLERANCE = 1e-8
 """The adjustment with the surface prior stops when a step lowers the cost by less than this share."""
@@ -95,9 +98,7 @@ def adjust_ring(
         emit: progress, one event an iteration.
         stations: names and places (m) where the report shows what the surface prior changes.
     """
-    nominal = nominal_rig(blocks, robot)
-    priors = rig_priors(nominal, blocks, robot, options)
-    measured, points = gather(blocks, shared, options)
+    rig, priors, measured = _prepared(blocks, shared, robot, options)
     compared = options.surface_sigma_mm > 0
     passes = len(options.loss_scales_px) + compared
 
@@ -110,7 +111,6 @@ def adjust_ring(
         bundle = BundleOptions(sigma_px=options.sigma_px, loss_scale_px=scale, tolerance=tolerance)
         return adjust_bundle(rig, measured, priors, bundle, tell, surface)
 
-    rig = replace(started(nominal, blocks), points=points)
     for number, scale in enumerate(options.loss_scales_px):
         result = adjusted(number, rig, scale, None)
         rig = result.rig
@@ -127,6 +127,40 @@ def adjust_ring(
     return replace(other if options.surface_used else found, surface_effect=effect)
 
 
+def orient_ring(
+    blocks: tuple[JointBlock, ...],
+    shared: SharedMarks,
+    robot: RobotPriors,
+    options: JointOptions,
+    emit: Emit,
+) -> tuple[Orientation, ...]:
+    """The blocks as a first, loose adjustment of the ring orients them, with lenses that pictures can be
+    unrolled through.
+
+    Arguments as of :func:`adjust_ring`.
+    """
+    few = replace(options, points_per_block=min(options.points_per_block, LENS_POINTS))
+    rig, priors, measured = _prepared(blocks, shared, robot, few)
+    bundle = BundleOptions(sigma_px=options.sigma_px, loss_scale_px=options.loss_scales_px[0])
+
+    def tell(iteration: int, iterations: int) -> None:
+        emit(Event(stage="joint", done=iteration - 1, total=iterations))
+
+    result = adjust_bundle(rig, measured, priors, bundle, tell, None)
+
+    return _blocks(blocks, result, options.gross_px)
+
+
+def _prepared(
+    blocks: tuple[JointBlock, ...], shared: SharedMarks, robot: RobotPriors, options: JointOptions
+) -> tuple[Rig, RigPriors, Observations]:
+    """Where the adjustment begins, what is known, and what was measured."""
+    nominal = nominal_rig(blocks, robot)
+    measured, points = gather(blocks, shared, options)
+    rig = replace(started(nominal, blocks), points=points)
+    return rig, rig_priors(nominal, blocks, robot, options), measured
+
+
 def _ring(
     blocks: tuple[JointBlock, ...],
     result: BundleResult,
@@ -140,11 +174,8 @@ def _ring(
     residual = _in_pixels(measured, result)[~ties]
     section_y, total, lens_part = diameter_sigmas(result, len(blocks), robot.y_m)
 
-    def block(number: int) -> Orientation:
-        return _block(number, blocks[number], result, options.gross_px)
-
     return RingOrientation(
-        blocks=tuple(each_side_by_side(block, range(len(blocks)))),
+        blocks=_blocks(blocks, result, options.gross_px),
         covariance=block_covariance(result, len(blocks)),
         section_y_m=section_y,
         diameter_sigma_mm=total,
@@ -192,6 +223,13 @@ def _effect(
         without_sigma_mm=sigmas(without),
         with_sigma_mm=sigmas(tied),
     )
+
+
+def _blocks(blocks: tuple[JointBlock, ...], result: BundleResult, gross_px: float) -> tuple[Orientation, ...]:
+    def block(number: int) -> Orientation:
+        return _block(number, blocks[number], result, gross_px)
+
+    return tuple(each_side_by_side(block, range(len(blocks))))
 
 
 def _block(number: int, block: JointBlock, result: BundleResult, gross_px: float) -> Orientation:

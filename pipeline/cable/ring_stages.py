@@ -6,7 +6,8 @@ Builds on the block by block stages; holds no algorithm and no order.
 from pathlib import Path
 
 from pipeline.cable.block_stages import BlockStages
-from pipeline.cable.closing import ClosingBlock, SharedMarks, find_shared_marks
+from pipeline.cable.closing import ClosingBlock, SharedMarks
+from pipeline.cable.closing_lenses import close_ring
 from pipeline.cable.joint import JointBlock, RingOrientation, adjust_ring
 from pipeline.cable.measure import Measurement, measure_ring
 from pipeline.cable.mosaic import Mosaic, MosaicBlock, PointPairs, mosaic_blocks
@@ -17,12 +18,12 @@ from pipeline.cable.pairs import (
     group_pairs,
     read_pairs,
 )
-from pipeline.cable.pos import robot_priors, travel_share_sigma
+from pipeline.cable.pos import RobotPriors, robot_priors, travel_share_sigma
 from pipeline.cable.ring import Ring, build_ring
 from pipeline.cable.uncertainty import Uncertainty
 from pipeline.core.runfolder import Product
 from pipeline.core.store import stamp_file
-from pipeline.core.vocabulary import FrameSequence, Lens
+from pipeline.core.vocabulary import FrameSequence, Lens, TravelDirection
 
 
 class RingStages(BlockStages):
@@ -51,37 +52,45 @@ class RingStages(BlockStages):
                 )
                 for n, block in enumerate(self._survey.blocks)
             )
-            return find_shared_marks(blocks, self._options.closing, self._emit)
+            return close_ring(
+                blocks, self._to_adjust(), robot, self._options.closing, self._options.joint, self._emit
+            )
 
-        angles = [b.angle_deg for b in self._survey.blocks]
-        needs = [*self._all("frames", "adjust"), angles, self._options.closing]
-        return self._folder.product("closing", SharedMarks, make, *needs)
+        robot = self._robot()
+        needs = [*self._all("frames", "adjust"), robot, self._mounted(), self._options.closing]
+        return self._folder.product("closing", SharedMarks, make, *needs, self._options.joint)
 
     def _joint(self) -> Product[RingOrientation]:
-        survey = self._survey
-        frames: FrameSequence = self._value("frames", 0)
-        robot = robot_priors(survey.robot, survey.cable, frames, self._options.pos)
+        robot = self._robot()
 
         def make() -> RingOrientation:
-            blocks = tuple(
-                JointBlock(
-                    name=block.name,
-                    azimuth_deg=block.angle_deg,
-                    travel_in_image=block.travel_in_image,
-                    orientation=self._value("adjust", n),
-                )
-                for n, block in enumerate(survey.blocks)
-            )
-            return adjust_ring(
-                blocks, self._value("closing"), robot, self._options.joint, self._emit, stations
-            )
+            marks = self._value("closing")
+            return adjust_ring(self._to_adjust(), marks, robot, self._options.joint, self._emit, stations)
 
         # without a surface prior nothing is looked at station by station
-        stations = tuple((s.name, s.position_m) for s in survey.cable.stations)
+        stations = tuple((s.name, s.position_m) for s in self._survey.cable.stations)
         stations = stations if self._options.joint.surface_sigma_mm > 0 else ()
-        places = [(b.angle_deg, b.travel_in_image) for b in survey.blocks]
-        needs = [*self._all("adjust", "closing"), robot, places, self._options.joint, stations]
+        needs = [*self._all("adjust", "closing"), robot, self._mounted(), self._options.joint, stations]
         return self._folder.product(self._joint_product, RingOrientation, make, *needs)
+
+    def _to_adjust(self) -> tuple[JointBlock, ...]:
+        return tuple(
+            JointBlock(
+                name=block.name,
+                azimuth_deg=block.angle_deg,
+                travel_in_image=block.travel_in_image,
+                orientation=self._value("adjust", n),
+            )
+            for n, block in enumerate(self._survey.blocks)
+        )
+
+    def _robot(self) -> RobotPriors:
+        survey = self._survey
+        frames: FrameSequence = self._value("frames", 0)
+        return robot_priors(survey.robot, survey.cable, frames, self._options.pos)
+
+    def _mounted(self) -> list[tuple[float, TravelDirection]]:
+        return [(b.angle_deg, b.travel_in_image) for b in self._survey.blocks]
 
     def _joined(self) -> tuple[MosaicBlock, ...]:
         return tuple(

@@ -85,8 +85,8 @@ class Profile:
     def flattened_mm(self, window_mm: float) -> float:
         """How much a window of that side would take off the crest if it were laid over it once more.
 
-        To first order what it has taken off already (van Cittert 1931, one step); how far the map was really
-        flattened hangs on the texture, so half of it goes into sigma.
+        To first order what one that does not follow the relief has taken off already (van Cittert 1931, one
+        step); one that follows it perfectly takes nothing.
         """
         steps = round(window_mm / _STEP_MM) | 1
         if steps < 2:

@@ -127,12 +127,13 @@ def _measured(
             tops.append(Profile.of(across[mine], values[mine]).top_mm()[0])
     scatter = float(np.std(tops, ddof=1) / np.sqrt(len(tops))) if len(tops) > 1 else 0.0
     seen = place[(np.abs(across) < profile.width_mm(top / 2)) & (values > level_mm)]
-    flat = profile.flattened_mm(window_mm)
+    # a sweep that follows relief from below flattens between not at all and as much as once more
+    most = profile.flattened_mm(window_mm)
     return Ridge(
         crest=crest,
         middle_mm=float(heights.y_mm.mean()),
-        height_mm=top + flat,
-        sigma_mm=float(np.sqrt(sigma**2 + scatter**2 + heights.wave_mm**2 + (flat / 2) ** 2)),
+        height_mm=top + most / 2,
+        sigma_mm=float(np.sqrt(sigma**2 + scatter**2 + heights.wave_mm**2 + most**2 / 12)),
         width_mm=profile.width_mm(_FOOT * top),
         length_mm=float(np.ptp(seen)) if len(seen) else 0.0,
     )

@@ -38,9 +38,10 @@ def helix(height_mm, azimuth_deg, pitch_m, foot_mm=10.0):
     return height_mm * np.clip(1 - (2 * arc / foot_mm) ** 2, 0, None)
 
 
-def relief(rise_mm=0.0, seed=0, known=True, **options):
-    """The relief of the plain cylinder with ``rise_mm`` on it, seen through the window it is matched with."""
-    seen = ndimage.uniform_filter(rise_mm + 0 * A, 5, mode=("nearest", "wrap"))
+def relief(rise_mm=0.0, seed=0, known=True, start_mm=0.0, **options):
+    """The relief of the plain cylinder with ``rise_mm`` on it, seen through the window it is matched with,
+    which is laid about the relief ``start_mm``."""
+    seen = start_mm + ndimage.uniform_filter(rise_mm - start_mm + 0 * A, 5, mode=("nearest", "wrap"))
     radius = np.where(known, RADIUS_MM + seen + noise(seed), np.nan)
     return find_relief(AZIMUTH, Y_M, radius, LENGTH_M, WINDOW_MM, ReliefOptions(**options))
 
@@ -120,7 +121,8 @@ def test_bulges_do_not_pull_the_base(spots):
 
 @pytest.mark.parametrize("pitch_m", [0.6, -0.35])
 def test_a_double_helix_is_two_ridges(pitch_m):
-    found = relief(helix(2.0, 30, pitch_m) + helix(2.0, 210, pitch_m), seed=1)
+    ribs = helix(2.0, 30, pitch_m) + helix(2.0, 210, pitch_m)
+    found = relief(ribs, seed=1, start_mm=ribs / 2)
     assert [f.kind for f in found.features] == ["ridge", "ridge"]
     np.testing.assert_allclose(found.base_diameter_mm, 110.0, atol=0.02)
     slant = np.cos(np.arctan(2 * np.pi * RADIUS_MM / 1000 / pitch_m))
@@ -135,6 +137,14 @@ def test_a_double_helix_is_two_ridges(pitch_m):
         assert ridge.length_mm == pytest.approx(1000 * np.ptp(Y_M), abs=5)
     apart = (found.features[0].azimuth_deg - found.features[1].azimuth_deg) % 360
     assert apart == pytest.approx(180, abs=1)
+
+
+@pytest.mark.parametrize("follows", [0.0, 0.5, 1.0])
+def test_a_crest_is_as_high_as_its_sigma_says_however_far_the_windows_followed_it(follows):
+    rib = helix(2.0, 30, 0.6)
+    (ridge,) = relief(rib, seed=1, start_mm=follows * rib).features
+    assert abs(ridge.height_mm - 2.0) < 2 * ridge.sigma_mm
+    assert ridge.sigma_mm < 0.08
 
 
 def test_a_ridge_whose_flanks_are_lost_keeps_its_crest():

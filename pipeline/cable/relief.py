@@ -47,7 +47,7 @@ class ReliefOptions:
     noise_factor: float = field(default=8.0, metadata={"above": 0.0})
     least_area_mm2: float = field(default=40.0, metadata={"above": 0.0})
     smooth_mm: float = field(default=1.5, metadata={"above": 0.0})
-    knots_mm: float = field(default=25.0, metadata={"above": 0.0})
+    knots_mm: float = field(default=18.0, metadata={"above": 0.0})
     widest_window_mm: float = field(default=8.0, metadata={"above": 0.0})
     seed: int = 0
 

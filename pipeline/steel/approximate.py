@@ -2,7 +2,8 @@
 
 Takes the network; gives poses, places of the features, and which observations the stations' majority speaks
 against.  Each station is moved onto the points already placed with the Rodrigues matrix (paper, equations (1)
-to (4)).  Leaves out accuracy: errors grow along the rings here, and ``register.py`` removes that.
+to (4)); where points alone place no other, named axes and planes may help (``figure_start.py``).  Leaves out
+accuracy: errors grow along the rings here, and ``register.py`` removes that.
 """
 
 from collections.abc import Callable
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 
 from pipeline.core.errors import StageError
 from pipeline.core.vocabulary import Array
+from pipeline.steel.figure_start import common_with, figure_motion, figures_apart
 from pipeline.steel.network import Network
 from pipeline.steel.records import FeatureKind
 from pipeline.steel.registration_options import RegisterOptions
@@ -42,11 +44,12 @@ class Start:
 
 @dataclass(kw_only=True)
 class _Placing:
-    """What is placed so far."""
+    """What is placed so far; ``figures``: place and direction of axes and planes as first seen."""
 
     rotations: Array
     translations: Array
     places: dict[int, list[Array]]
+    figures: dict[int, tuple[Array, Array]]
     order: list[int]
     parents: NDArray[np.int64]
     ring: NDArray[np.int64]
@@ -72,13 +75,16 @@ def place_stations(
         rotations=np.tile(np.eye(3), (count, 1, 1)),
         translations=np.zeros((count, 3)),
         places={},
+        figures={},
         order=[],
         parents=np.full(count, -1),
         ring=np.zeros(count, dtype=np.int64),
     )
     _add(placing, network, network.base, seen[network.base], np.eye(3), np.zeros(3))
     while len(placing.order) < count:
-        if not _place_ring(placing, network, seen, level, options, tell):
+        if _place_ring(placing, network, seen, level, options, tell):
+            continue
+        if not _place_by_figures(placing, network, seen, level, options):
             raise explain(network, placing.order, seen, level, options)
     rotations, translations = _onto_control(network, placing, level)
     return _started(network, replace(placing, rotations=rotations, translations=translations), options)
@@ -133,6 +139,24 @@ def _place(
     return True
 
 
+def _place_by_figures(
+    placing: _Placing, network: Network, seen: list[dict[int, int]], level: bool, options: RegisterOptions
+) -> bool:
+    """Place the one station that shares most with those placed, on points, axes and planes together."""
+    outside = [s for s in range(len(seen)) if s not in placing.order]
+    shared = {s: common_with(network, s, seen[s], placing.places, placing.figures) for s in outside}
+    for station in sorted(outside, key=lambda s: (-len(shared[s]), s)):
+        motion = figure_motion(shared[station], options.start_tolerance_m, level=level)
+        if motion is None:
+            continue
+        mine = network.named_by(station)
+        parent = max(placing.order, key=lambda s: (len(mine & network.named_by(s)), -s))
+        placing.parents[station], placing.ring[station] = parent, 1 + placing.ring[parent]
+        _add(placing, network, station, seen[station], *motion)
+        return True
+    return False
+
+
 def _add(
     placing: _Placing,
     network: Network,
@@ -146,6 +170,10 @@ def _add(
     for feature, observation in seen.items():
         place = rotation @ network.seen[observation].place + translation
         placing.places.setdefault(feature, []).append(place)
+    for number in network.figures_of(station):
+        figure = network.seen[number]
+        place, direction = rotation @ figure.place + translation, rotation @ figure.direction
+        placing.figures.setdefault(int(network.feature[number]), (place, direction))
 
 
 def _onto_control(network: Network, placing: _Placing, level: bool) -> tuple[Array, Array]:
@@ -177,10 +205,12 @@ def _started(network: Network, placing: _Placing, options: RegisterOptions) -> S
         rows = np.flatnonzero(network.feature == feature)
         if kind is FeatureKind.POINT:
             majority = largest_cluster(places[rows], options.start_tolerance_m)
-            agrees[rows] = majority
-            feature_places[feature] = places[rows[majority]].mean(axis=0)
         else:
-            feature_places[feature], feature_frames[feature] = places[rows].mean(axis=0), frames[rows[0]]
+            apart = figures_apart(kind, places[rows], frames[rows, 2])
+            majority = _largest(apart < options.start_tolerance_m)
+            feature_frames[feature] = frames[rows[majority][0]]
+        agrees[rows] = majority
+        feature_places[feature] = places[rows[majority]].mean(axis=0)
     state = State(
         rotations=placing.rotations,
         translations=placing.translations,
@@ -200,6 +230,9 @@ def _started(network: Network, placing: _Placing, options: RegisterOptions) -> S
 def largest_cluster(places: Array, tolerance_m: float) -> NDArray[np.bool_]:
     """(n,) which of (n, 3) places belong to the largest group about one of them."""
     apart = np.linalg.norm(places[:, None] - places[None], axis=2)
-    near = apart < tolerance_m
+    return _largest(apart < tolerance_m)
+
+
+def _largest(near: NDArray[np.bool_]) -> NDArray[np.bool_]:
     best: NDArray[np.bool_] = near[int(np.argmax(near.sum(axis=1)))]
     return best

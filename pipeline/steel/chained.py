@@ -3,13 +3,13 @@
 Takes the survey, the features and the registration; gives every station's pose as chaining would have it, and
 how far it lies off the adjustment against its position in the chain.  Gross errors that the adjustment found
 are left out here as well: what remains is the growth of the noise.  Loops are not closed: chaining does not.
+A station that no single other one holds by targets is missing here: the adjustment needs no such neighbour.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.core.errors import StageError
 from pipeline.core.events import Emit, Event
 from pipeline.core.rotations import angle_between_deg, cross_matrix, rotation_from_vector
 from pipeline.core.vocabulary import Array
@@ -25,11 +25,7 @@ ITERATIONS = 4
 def compare_chained(
     survey: SteelSurvey, found: Sequence[StationFeatures], registration: Registration, emit: Emit
 ) -> ChainedRegistration:
-    """Chain the stations in the order of their initial values, outward from the base.
-
-    Raises:
-        StageError: a station shares too little with any single one that stands before it.
-    """
+    """Chain the stations in the order of their initial values, outward from the base."""
     network = build_network(survey, found)
     gross = {(error.station, error.target) for error in registration.gross}
     seen = [
@@ -43,12 +39,14 @@ def compare_chained(
     for station in order[1:]:
         emit(Event(stage="chained", done=len(poses), total=len(order)))
         parent = _parent(network, seen, list(poses), station, level=survey.scanner.levelled)
+        if parent is None:
+            continue
         common = sorted(seen[parent].keys() & seen[station].keys())
         motion = _pair_motion(network, [seen[station][f] for f in common], [seen[parent][f] for f in common])
         poses[station] = chained_pose(network.stations[station], poses[parent], *motion, factor)
         position[station] = position[parent] + 1
-    links = tuple(_link(network, poses[s], registration.poses[s], position[s]) for s in order)
-    return ChainedRegistration(poses=tuple(poses[s] for s in range(len(order))), links=links)
+    links = tuple(_link(poses[s], registration.poses[s], position[s]) for s in order if s in poses)
+    return ChainedRegistration(poses=tuple(poses[s] for s in sorted(poses)), links=links)
 
 
 def chained_pose(
@@ -78,8 +76,8 @@ def chained_pose(
 
 def _parent(
     network: Network, seen: list[dict[int, int]], placed: list[int], station: int, *, level: bool
-) -> int:
-    """The placed station that shares most targets, those that hold a motion first."""
+) -> int | None:
+    """The placed station that shares most targets, those that hold a motion first; None where none does."""
 
     def shared(other: int) -> tuple[bool, int, int]:
         common = sorted(seen[other].keys() & seen[station].keys())
@@ -88,13 +86,7 @@ def _parent(
         return wide, len(common), -other
 
     best = max(placed, key=shared)
-    if not shared(best)[0] and not (level and shared(best)[1] >= 2):
-        raise StageError(
-            "chained",
-            f"station {network.stations[station]} shares too little with any single station placed before it",
-            "the adjustment needs no such neighbour; leave this comparison out",
-        )
-    return best
+    return best if shared(best)[0] or (level and shared(best)[1] >= 2) else None
 
 
 def _pair_motion(network: Network, mine: list[int], theirs: list[int]) -> tuple[Array, Array, Array]:
@@ -122,7 +114,7 @@ def _pair_motion(network: Network, mine: list[int], theirs: list[int]) -> tuple[
     return R, t, covariance
 
 
-def _link(network: Network, chained: StationPose, adjusted: StationPose, position: int) -> ChainLink:
+def _link(chained: StationPose, adjusted: StationPose, position: int) -> ChainLink:
     return ChainLink(
         station=chained.name,
         position=position,

@@ -19,6 +19,9 @@ import numpy as np
 from pipeline.core.rotations import cross_matrix, rotation_from_vector
 from pipeline.core.vocabulary import Array
 
+STEEPEST = 0.01
+"""Cosine below which a direction counts as no steeper."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Linear:
@@ -128,5 +131,7 @@ def _by_line(R: Array, frame: Array, seen_frame: Array) -> tuple[Array, Array]:
 
 def _slopes(e: Array, de: Array) -> tuple[Array, Array]:
     """Slopes (n, 2) of directions e (n, 3) and their derivatives; a direction may be told either way."""
+    # one that is square to what was seen was named wrongly: it has no weight, but must stay finite
+    e = np.column_stack([e[:, :2], np.copysign(np.maximum(np.abs(e[:, 2]), STEEPEST), e[:, 2])])
     slopes = e[:, :2] / e[:, 2:]
     return slopes, (de[:, :2] - slopes[:, :, None] * de[:, 2:]) / e[:, 2:, None]

@@ -2,8 +2,9 @@
 
 Takes the survey and every station's features, the targets named; gives the features with their axes and
 planes named as well, and the registration on all of them.  Targets place the stations well enough for the
-figures to be told apart; with these the stations are known better, and more figures can be.  Leaves out
-matching (``figures.py``) and adjusting (``register.py``).
+figures to be told apart; with these the stations are known better, and more figures can be.  Figures named by
+hand take part from the beginning and keep their names.  Leaves out matching (``figures.py``) and adjusting
+(``register.py``).
 """
 
 from collections.abc import Sequence
@@ -33,38 +34,38 @@ def register_with_figures(
     features = list(found)
     if not any(f.kind is not FeatureKind.POINT for one in features for f in one.features):
         return features, register(survey, features, options, emit)
+    by_hand = {(one.station, f.name, f.kind.value) for one in found for f in one.features if f.name}
     registration = register(survey, features, options, part(emit, 0.0, 0.3))
     for number in range(ROUNDS):
-        features = name_figures(features, registration.poses)
+        features = name_figures(found, registration.poses)
         whole = ROUNDS * (MOST_DROPS + 1)
         for drop in range(MOST_DROPS + 1):
             done = number * (MOST_DROPS + 1) + drop
             tell = part(emit, 0.3 + 0.7 * done / whole, 0.3 + 0.7 * (done + 1) / whole)
             registration = register(survey, features, options, tell)
-            wrong = _left_out(registration)
+            wrong = _left_out(registration) - by_hand
             if not wrong:
                 break
             features = _without(features, wrong)
     return features, registration
 
 
-def _left_out(registration: Registration) -> set[tuple[str, str]]:
-    """Station and name of the figures that were left out: matched by us, and wrongly, so no gross errors."""
+def _left_out(registration: Registration) -> set[tuple[str, str, str]]:
+    """Station, name and kind of the axes and planes that were left out: gross errors where named by hand,
+    else matched by us, and wrongly."""
     return {
-        (row.station, row.target)
+        (row.station, row.target, row.kind)
         for row in registration.residuals
         if row.weight == 0 and row.kind != FeatureKind.POINT.value
     }
 
 
-def _without(features: list[StationFeatures], wrong: set[tuple[str, str]]) -> list[StationFeatures]:
+def _without(features: list[StationFeatures], wrong: set[tuple[str, str, str]]) -> list[StationFeatures]:
     return [
         replace(
             one,
             features=tuple(
-                replace(f, name="")
-                if f.kind is not FeatureKind.POINT and (one.station, f.name) in wrong
-                else f
+                replace(f, name="") if (one.station, f.name, f.kind.value) in wrong else f
                 for f in one.features
             ),
         )

@@ -7,7 +7,7 @@ overlap.  Where a second one in the same station would nearly do, neither is tak
 figures (``axes.py``, ``planes.py``) and judging them once adjusted.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -49,13 +49,15 @@ def name_figures(found: Sequence[StationFeatures], poses: Sequence[StationPose])
     """Name the axes and planes that stations share.
 
     Args:
-        found: features of each station; points are left as they are.
+        found: features of each station; points are left as they are, and so are names given by hand: what
+            matches such a figure gets its name.
         poses: of the same stations, with the covariances among them.
 
     Returns:
         The features in the order of ``found``; what nobody else sees stays unnamed.
     """
     names: dict[tuple[int, int], str] = {}
+    by_hand = {f.name for one in found for f in one.features}
     for kind, letter in LETTERS.items():
         seen = [
             _Sighting(station=s, number=n, feature=_in_site(f, poses[s]))
@@ -63,19 +65,37 @@ def name_figures(found: Sequence[StationFeatures], poses: Sequence[StationPose])
             for n, f in enumerate(one.features)
             if f.kind is kind
         ]
-        for count, group in enumerate(_groups(seen, poses), start=1):
-            for k in group:
-                names[seen[k].station, seen[k].number] = f"{letter}{count:03d}"
+        fresh = (name for count in range(1, 10**6) if (name := f"{letter}{count:03d}") not in by_hand)
+        names |= _names_of(seen, _groups(seen, poses), fresh)
     return [
         StationFeatures(
             station=one.station,
             features=tuple(
-                f if f.kind is FeatureKind.POINT else replace(f, name=names.get((s, n), ""))
+                f if f.kind is FeatureKind.POINT else replace(f, name=names.get((s, n), f.name))
                 for n, f in enumerate(one.features)
             ),
         )
         for s, one in enumerate(found)
     ]
+
+
+def _names_of(
+    seen: Sequence[_Sighting], groups: Sequence[Sequence[int]], fresh: Iterator[str]
+) -> dict[tuple[int, int], str]:
+    """(station, number) to name of the sightings in groups: the name that one of them has, or a fresh one."""
+    names: dict[tuple[int, int], str] = {}
+    taken = {(one.station, one.feature.name) for one in seen}
+    for group in groups:
+        by_hand = {seen[k].feature.name for k in group} - {""}
+        if len(by_hand) > 1:
+            continue  # two things, says the surveyor
+        name = by_hand.pop() if by_hand else next(fresh)
+        for k in group:
+            own = (seen[k].station, name)
+            if not seen[k].feature.name and own not in taken:
+                names[seen[k].station, seen[k].number] = name
+                taken.add(own)
+    return names
 
 
 def _in_site(feature: Feature, pose: StationPose) -> Feature:

@@ -20,16 +20,22 @@ from pipeline.steel.state import Component, Group
 
 FITS = 1e-4
 """A place fits a target unless noise would put it farther off less often than this."""
+TURNED = 0.05
+"""Slope from which an axis or a plane faces another way: two that are one differ by seconds."""
+SLOPES = {Component.POINT: slice(0, 0), Component.LINE: slice(2, 4), Component.PLANE: slice(1, 3)}
+"""Which values of an observation are slopes."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class _LeftOut:
-    """An observation without weight: its number in the network, seen place and offset in the site frame."""
+    """An observation without weight: its number in the network, seen place and offset in the site frame;
+    whether it is an axis or a plane that faces another way than the one that it is named after."""
 
     observation: int
     place: Array
     offset: Array
     covariance: Array
+    turned: bool = False
 
 
 def name_gross_errors(
@@ -99,14 +105,20 @@ def _left_out(network: Network, adjusted: Adjusted) -> list[_LeftOut]:
         for n in np.flatnonzero(weights == 0):
             number, station = int(group.observation[n]), int(group.station[n])
             feature, R = network.seen[number], state.rotations[station]
-            across = offset_in_station(group.component, test.predicted[n], feature.frame)
+            place = R @ feature.place + state.translations[station]
+            offset = R @ offset_in_station(group.component, test.predicted[n], feature.frame)
+            turned = bool(np.linalg.norm(test.predicted[n][SLOPES[group.component]]) > TURNED)
+            if turned:
+                named = int(network.feature[number])
+                offset = _off(group.component, place - state.places[named], state.frames[named, 2])
             own = _point_cofactor(group.component, group.cofactor[n], feature.frame)
             found.append(
                 _LeftOut(
                     observation=number,
-                    place=R @ feature.place + state.translations[station],
-                    offset=R @ across,
+                    place=place,
+                    offset=offset,
                     covariance=adjusted.components[group.component] * R @ own @ R.T,
+                    turned=turned,
                 )
             )
     return found
@@ -119,6 +131,12 @@ def offset_in_station(component: Component, predicted: Array, frame: Array) -> A
     if component is Component.LINE:
         return predicted[:2] @ frame[:2]
     return predicted[0] * frame[2]
+
+
+def _off(component: Component, away: Array, direction: Array) -> Array:
+    """(3,) the part of ``away`` (3,) that leads off an axis, or off a plane."""
+    along = (away @ direction) * direction
+    return np.asarray(away - along if component is Component.LINE else along)
 
 
 def _point_cofactor(component: Component, cofactor: Array, frame: Array) -> Array:
@@ -136,7 +154,7 @@ def _named(
     size = float(np.linalg.norm(one.offset))
     way = one.offset / max(size, 1e-12)
     fits = _fitting(network, adjusted, one.place, one.covariance, feature)
-    misnamed = bool(fits) or size > options.moved_at_most_m
+    misnamed = bool(fits) or one.turned or size > options.moved_at_most_m
     # two stations may see an axis at quite different places along it
     comparable = network.kinds[feature] is FeatureKind.POINT and not misnamed
     same = [

@@ -46,6 +46,15 @@ class Network:
         mine = np.flatnonzero(self.station == station)
         return {int(self.feature[n]): int(n) for n in mine if self.seen[n].kind is FeatureKind.POINT}
 
+    def figures_of(self, station: int) -> list[int]:
+        """Observation numbers of the axes and planes that a station sees."""
+        mine = np.flatnonzero(self.station == station)
+        return [int(n) for n in mine if self.seen[n].kind is not FeatureKind.POINT]
+
+    def named_by(self, station: int) -> set[int]:
+        """Feature numbers of all that a station sees."""
+        return set(self.feature[self.station == station].tolist())
+
     @property
     def places(self) -> Array:
         """(n, 3) where each observation's feature is in its station's frame."""

@@ -34,39 +34,16 @@ def densify(photos: OrientedPhotos, options: DepthOptions, emit: Emit) -> PhotoC
     Raises:
         StageError: no photo has neighbours, or nothing agrees.
     """
-    jobs = [
-        n
-        for n in range(len(photos.files))
-        if np.count_nonzero(photos.observations[:, 0] == n) >= LEAST_SPARSE
-    ]
-    around = {n: _neighbours(photos, n, options) for n in jobs}
-    jobs = [n for n in jobs if around[n]]
-    if not jobs:
+    around = _jobs(photos, options)
+    if not around:
         raise StageError(
             STAGE, "no two photos see the same from different places", "take photos farther apart"
         )
     pictures = _Pictures(photos, options)
-    told = part(emit, 0.0, 0.85)
-    done = dict.fromkeys(jobs, 0.0)
-
-    def sweep(number: int, tell: Emit) -> DepthMap:
-        nearest, farthest = _range(photos, number)
-
-        def tick(share: float) -> None:
-            done[number] = share
-            tell(Event(stage=STAGE, done=round(1000 * sum(done.values()) / len(jobs)), total=1000))
-
-        found = sweep_photo(
-            pictures.grey, photos.lens, photos.poses, number, around[number], nearest, farthest, options, tick
-        )
-        tick(1.0)
-        return found
-
-    swept = side_by_side([partial(sweep, n) for n in jobs], told, workers_for(len(jobs)))
-    maps = dict(zip(jobs, swept, strict=True))
+    maps = _swept(photos, around, pictures, options, part(emit, 0.0, 0.85))
     parts = []
-    for place, number in enumerate(jobs):
-        emit(Event(stage=STAGE, done=850 + 150 * place // len(jobs), total=1000))
+    for place, number in enumerate(around):
+        emit(Event(stage=STAGE, done=850 + 150 * place // len(around), total=1000))
         parts.append(points_of(photos, maps, number, pictures.colour(number), options))
     cloud = PhotoCloud(
         points=np.concatenate([p.points for p in parts]),
@@ -80,6 +57,41 @@ def densify(photos: OrientedPhotos, options: DepthOptions, emit: Emit) -> PhotoC
         )
     emit(Event(stage=STAGE, done=1000, total=1000))
     return cloud
+
+
+def _jobs(photos: OrientedPhotos, options: DepthOptions) -> dict[int, tuple[int, ...]]:
+    """The photos whose depth can be told, each with its neighbours."""
+    seen = photos.observations[:, 0]
+    known = [n for n in range(len(photos.files)) if np.count_nonzero(seen == n) >= LEAST_SPARSE]
+    around = {n: _neighbours(photos, n, options) for n in known}
+    return {n: others for n, others in around.items() if others}
+
+
+def _swept(
+    photos: OrientedPhotos,
+    around: dict[int, tuple[int, ...]],
+    pictures: "_Pictures",
+    options: DepthOptions,
+    emit: Emit,
+) -> dict[int, DepthMap]:
+    """The depth map of each photo, two at once."""
+    done = dict.fromkeys(around, 0.0)
+
+    def sweep(number: int, tell: Emit) -> DepthMap:
+        nearest, farthest = _range(photos, number)
+
+        def tick(share: float) -> None:
+            done[number] = share
+            tell(Event(stage=STAGE, done=round(1000 * sum(done.values()) / len(done)), total=1000))
+
+        found = sweep_photo(
+            pictures.grey, photos.lens, photos.poses, number, around[number], nearest, farthest, options, tick
+        )
+        tick(1.0)
+        return found
+
+    maps = side_by_side([partial(sweep, n) for n in around], emit, workers_for(len(around)))
+    return dict(zip(around, maps, strict=True))
 
 
 class _Pictures:

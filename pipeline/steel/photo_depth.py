@@ -10,7 +10,7 @@ Sources: R. T. Collins, "A space-sweep approach to true multi-image matching", C
 neighbours: S. B. Kang, R. Szeliski and J. Chai, "Handling occlusions in dense multi-view stereo", CVPR 2001.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -81,32 +81,18 @@ def sweep_photo(
     own = grid_pixels(lens, options.step_px).astype(np.float32) - np.float32(0.5)
     template = Template(sample(pictures(reference), own[..., 0], own[..., 1]), window)
     inverse = _candidates(paths, nearest, farthest, options)
-    peak = Peak(rays.shape[:2])
-    images = [pictures(other) for other in neighbours]
-    for number, w in enumerate(inverse):
-        if number % 4 == 0:
-            tick(0.8 * number / len(inverse))
-        scores = [
-            template.correlate(path.sample(image, np.float32(w)))
-            for path, image in zip(paths, images, strict=True)
-        ]
-        peak.add(_best_two(scores))
-    found, score = peak.at()
+    views = _Views(template=template, paths=paths, images=[pictures(other) for other in neighbours])
+    found, score = views.peak(map(np.float32, inverse), len(inverse), lambda share: tick(0.8 * share))
     spacing = inverse[1] - inverse[0]
     start = np.where(score >= options.least_score, inverse[0] + found * spacing, np.nan).astype(np.float32)
     step = np.float32(spacing / options.candidate_px)
     start = _smooth(start, options.slope_px * float(step), window)
-    peak, offsets = Peak(rays.shape[:2]), np.linspace(-1.5, 1.5, 13, dtype=np.float32) * step
-    for number, offset in enumerate(offsets):
-        if number % 4 == 0:
-            tick(0.8 + 0.2 * number / len(offsets))
-        # again about a smooth start: its windows lie on the surface's slope, not square to the camera
-        at = np.nan_to_num(start, nan=float(inverse[0])) + offset
-        scores = [
-            template.correlate(path.sample(image, at)) for path, image in zip(paths, images, strict=True)
-        ]
-        peak.add(_best_two(scores))
-    found, score = peak.at()
+    # again about a smooth start: its windows lie on the surface's slope, not square to the camera
+    offsets = np.linspace(-1.5, 1.5, 13, dtype=np.float32) * step
+    about = np.nan_to_num(start, nan=float(inverse[0]))
+    found, score = views.peak(
+        (about + offset for offset in offsets), len(offsets), lambda share: tick(0.8 + 0.2 * share)
+    )
     depth = 1 / (start + offsets[0] + found * (offsets[1] - offsets[0]))
     good = np.isfinite(found) & (score >= options.least_score) & template.textured
     return DepthMap(
@@ -115,6 +101,30 @@ def sweep_photo(
         neighbours=neighbours,
         step_px=options.step_px,
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Views:
+    """A photo's windows and the neighbours they are looked for in."""
+
+    template: Template
+    paths: list["_Path"]
+    images: list[Image]
+
+    def peak(
+        self, candidates: Iterable[np.float32 | Image], count: int, tick: Callable[[float], None]
+    ) -> tuple[Image, Image]:
+        """Which of ``count`` inverse depths fits best, cell by cell, with a fraction, and its score."""
+        peak = Peak(self.template.textured.shape)
+        for number, inverse in enumerate(candidates):
+            if number % 4 == 0:
+                tick(number / count)
+            scores = [
+                self.template.correlate(path.sample(image, inverse))
+                for path, image in zip(self.paths, self.images, strict=True)
+            ]
+            peak.add(_best_two(scores))
+        return peak.at()
 
 
 def _candidates(paths: list["_Path"], nearest: float, farthest: float, options: DepthOptions) -> Array:

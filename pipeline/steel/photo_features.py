@@ -1,7 +1,7 @@
 """Features of photos and their matches: SIFT, one picture and one pair at a time.
 
 Takes picture files; gives places (origin at the corner) with root descriptors, and mutual best matches.
-Leaves out the geometry that verifies them (photo_sparse.py).
+Leaves out the geometry that verifies them (photo_mapping.py).
 
 Source: R. Arandjelovic and A. Zisserman, "Three things everyone should know to improve object retrieval",
 CVPR 2012 (root descriptors).

@@ -7,6 +7,9 @@ Source of the check (a depth must come back from the neighbour's own depth map):
 "Detecting binocular half-occlusions", IEEE PAMI 24(8), 2002.
 """
 
+from dataclasses import dataclass
+
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,6 +21,10 @@ from pipeline.steel.photo_records import DepthOptions, OrientedPhotos
 
 LEAST_SAME = 0.32
 """Share of the cells around one that must lie on its surface, for a normal."""
+REACH = 2
+"""Cells each way that make up a window."""
+NEARLY = 0.01
+"""Depths of cells so many cells apart that differ by less than this share for each are one surface's."""
 LEAST_COSINE = 0.2
 """No surface counts as met more obliquely than this: its normal is too rough to tell."""
 
@@ -47,34 +54,20 @@ def points_of(
         picture: (h, w, 3) its blue-green-red.
         options: see there.
     """
-    mine, lens = maps[number], photos.lens
-    rays = grid_rays(lens, mine.step_px)
+    mine = maps[number]
+    rays = grid_rays(photos.lens, mine.step_px)
     rotation, translation = photos.poses.rotations[number], photos.poses.translations[number]
     valid = np.isfinite(mine.depth)
-    depth = np.where(valid, mine.depth, 1.0).astype(float)
-    places = (rays * depth[..., None] - translation) @ rotation
-    total, square = depth.copy(), depth**2
-    count, widest = np.ones(depth.shape, dtype=np.int64), np.zeros(depth.shape)
-    for other in {*mine.neighbours, *(n for n, m in maps.items() if number in m.neighbours)} & maps.keys():
-        seen_at, agrees = _returned(photos, maps[other], number, other, places, valid, options)
-        total[agrees] += seen_at[agrees]
-        square[agrees] += seen_at[agrees] ** 2
-        count[agrees] += 1
-        angle = np.sin(
-            np.radians(angles_deg(places, photos.poses.centres[number], photos.poses.centres[other]))
-        )
-        widest = np.where(agrees, np.maximum(widest, angle), widest)
-    mean = total / count
-    scatter = np.sqrt(np.maximum(square - count * mean**2, 0) / np.maximum(count - 1, 1))
-    normals, same, uneven = _normals(rays * mean[..., None], valid)
-    known = valid & (same >= LEAST_SAME)
-    kept = valid & (count > min(options.least_agreeing, len(mine.neighbours))) & known
-    place = (rays * mean[..., None] - translation) @ rotation
+    found = _averaged(photos, maps, number, rays, valid, options)
+    normals, same, uneven = _normals(rays * found.depth[..., None], valid)
+    confirmed = found.maps > min(options.least_agreeing, len(mine.neighbours))
+    kept = valid & confirmed & (same >= LEAST_SAME)
+    place = (rays * found.depth[..., None] - translation) @ rotation
     # along the ray a surface that is met obliquely is uneven by more
     uneven = uneven / np.maximum(np.abs(np.sum(normals * rays, axis=2)), LEAST_COSINE)
-    sigma = _sigmas(mean, scatter, same, uneven, widest, lens.focal_px, options)
+    sigma = _sigmas(found, share_behind(found.depth, valid), uneven, photos.lens.focal_px, options)
     sigma *= np.linalg.norm(rays, axis=2)
-    pixel = grid_pixels(lens, mine.step_px).astype(np.int64)
+    pixel = grid_pixels(photos.lens, mine.step_px).astype(np.int64)
     colour = picture[pixel[..., 1], pixel[..., 0]][..., ::-1]
     return PhotoCloud(
         points=place[kept],
@@ -84,35 +77,86 @@ def points_of(
     )
 
 
-def _sigmas(
-    depth: Array,
-    scatter: Array,
-    same: Array,
-    uneven: Array,
-    widest: Array,
-    focal_px: float,
+@dataclass(frozen=True, kw_only=True)
+class _Averaged:
+    """What all maps say of one photo's cells, (h, w) each: mean depth, photo units, along the camera's z; the
+    standard deviation of one map's; how many maps; sine of the widest angle at which rays meet."""
+
+    depth: Array
+    scatter: Array
+    maps: NDArray[np.int64]
+    widest: Array
+
+
+def _averaged(
+    photos: OrientedPhotos,
+    maps: dict[int, DepthMap],
+    number: int,
+    rays: Array,
+    valid: NDArray[np.bool_],
     options: DepthOptions,
-) -> Array:
+) -> _Averaged:
+    mine, poses = maps[number], photos.poses
+    depth = np.where(valid, mine.depth, 1.0).astype(float)
+    places = (rays * depth[..., None] - poses.translations[number]) @ poses.rotations[number]
+    total, square = depth.copy(), depth**2
+    count, widest = np.ones(depth.shape, dtype=np.int64), np.zeros(depth.shape)
+    for other in {*mine.neighbours, *(n for n, m in maps.items() if number in m.neighbours)} & maps.keys():
+        seen_at, agrees = _returned(photos, maps[other], number, other, places, valid, options)
+        total[agrees] += seen_at[agrees]
+        square[agrees] += seen_at[agrees] ** 2
+        count[agrees] += 1
+        angle = np.sin(np.radians(angles_deg(places, poses.centres[number], poses.centres[other])))
+        widest = np.where(agrees, np.maximum(widest, angle), widest)
+    mean = total / count
+    scatter = np.sqrt(np.maximum(square - count * mean**2, 0) / np.maximum(count - 1, 1))
+    return _Averaged(depth=mean, scatter=scatter, maps=count, widest=widest)
+
+
+def _sigmas(found: _Averaged, behind: Array, uneven: Array, focal_px: float, options: DepthOptions) -> Array:
     """(h, w) standard deviation of each depth, photo units: four things that do not know of each other.
 
     What the best correlation is worth; how far the maps that saw the place differ (two maps compare the same
-    two pictures, so half of them count and their mean is no better than one); where part of the window lies
-    on another surface, that the peak may slide by as much of half a window; and where the window's own
-    surface is bent, as on a ball or a rod, that the peak belongs to any place in it.
+    two pictures, so half of them count and their mean is no better than one); where part of the window shows
+    what is behind, that the cell itself may be behind and have the depth of an edge half a window away; and
+    where the window's own surface is bent, as on a ball or a rod, that the peak belongs to any place in it.
 
     Args:
-        depth: along the camera's z.
-        scatter: standard deviation of the maps' depths.
-        same: share of the window that lies on the cell's own surface.
+        found: depths.
+        behind: share of the window that lies behind the cell's own surface.
         uneven: root mean square of that surface off its plane through the cell, along the camera's z.
-        widest: sine of the widest angle at which rays meet.
         focal_px: of the lens.
         options: see there.
     """
-    per_px = depth / focal_px / np.maximum(widest, 0.02)
-    slide_px = 0.5 * options.window_px / np.sqrt(3) * (1 - same)
-    matched, slid = options.matching_sigma_px * per_px, slide_px * per_px
-    return np.sqrt(matched**2 + 0.5 * scatter**2 + slid**2 + uneven**2)
+    per_px = found.depth / focal_px / np.maximum(found.widest, 0.02)
+    slid = 0.5 * options.window_px / np.sqrt(3) * behind * per_px
+    matched = options.matching_sigma_px * per_px
+    return np.sqrt(matched**2 + 0.5 * found.scatter**2 + slid**2 + uneven**2)
+
+
+def share_behind(depth: Array, valid: NDArray[np.bool_], reach: int = REACH) -> Array:
+    """(h, w) share of the cells around each that lie behind its surface.
+
+    Where nothing is known there is taken to be what lies farthest beside it.  A nearer thing in the window
+    does no such harm: it would have given the cell its own depth ("foreground fattening": D. Scharstein and
+    R. Szeliski, "A taxonomy and evaluation of dense two-frame stereo correspondence algorithms", IJCV 47(1),
+    2002).
+
+    Args:
+        depth: (h, w) along the camera's z.
+        valid: (h, w) where it is known.
+        reach: cells each way.
+    """
+    known = np.where(valid, depth, 0.0).astype(np.float32)
+    around = np.ones((4 * reach + 1, 4 * reach + 1), dtype=np.uint8)
+    farthest = np.where(valid, known, cv2.dilate(known, around))
+    padded = np.pad(farthest, reach)
+    height, width = valid.shape
+    behind = np.zeros(valid.shape)
+    for down in range(2 * reach + 1):
+        for right in range(2 * reach + 1):
+            behind += padded[down : down + height, right : right + width] > (1 + NEARLY * reach) * known
+    return np.where(valid, behind / (2 * reach + 1) ** 2, 0.0)
 
 
 def _returned(
@@ -143,7 +187,7 @@ def _returned(
     return np.where(agrees, own * ratio, 0.0), agrees
 
 
-def _normals(places: Array, valid: NDArray[np.bool_], reach: int = 2) -> tuple[Array, Array, Array]:
+def _normals(places: Array, valid: NDArray[np.bool_], reach: int = REACH) -> tuple[Array, Array, Array]:
     """Normals (h, w, 3) towards the camera from neighbours at nearly the same depth, these's share, and their
     root mean square distance from the plane through the cell, (h, w) each."""
     height, width = valid.shape
@@ -157,7 +201,7 @@ def _normals(places: Array, valid: NDArray[np.bool_], reach: int = 2) -> tuple[A
                 slice(max(right, 0), width - max(-right, 0)),
             )
             with np.errstate(invalid="ignore"):
-                near = np.abs(depth[there] / depth[here] - 1) < 0.01 * reach
+                near = np.abs(depth[there] / depth[here] - 1) < NEARLY * reach
             away = np.where(near[..., None], places[there] - places[here], 0.0)
             count[here] += near
             first[here] += away

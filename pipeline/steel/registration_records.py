@@ -150,8 +150,8 @@ class ChainedRegistration:
     """Registration station by station, for comparison.
 
     Attributes:
-        poses: one a station.
-        links: one a station, in the order of the chain.
+        poses: one a station, in the survey's order, of those that can be chained.
+        links: one for each, in the order of the chain.
     """
 
     poses: tuple[StationPose, ...]

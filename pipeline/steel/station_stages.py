@@ -9,22 +9,20 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from pipeline.core.errors import StageError
 from pipeline.core.events import Emit, Event, part
 from pipeline.core.parallel import side_by_side, workers_for
 from pipeline.core.runfolder import Product, RunFolder
 from pipeline.core.store import stamp_file
 from pipeline.steel.chained import compare_chained
-from pipeline.steel.clouds import StationCloud, import_cloud, station_points
+from pipeline.steel.clouds import StationCloud, import_cloud
 from pipeline.steel.figure_register import register_with_figures
 from pipeline.steel.icp import compare_icp
 from pipeline.steel.naming import name_features
 from pipeline.steel.options import SteelOptions
 from pipeline.steel.records import StationFeatures
 from pipeline.steel.registration_records import ChainedRegistration, IcpRegistration, Registration
+from pipeline.steel.station_features import station_features
 from pipeline.steel.survey_records import ScanStation, SteelSurvey
-from pipeline.steel.target_table import read_target_table
-from pipeline.steel.targets import find_figures, find_targets
 
 type _PerStation = Callable[[ScanStation, Emit], Product[Any]]
 
@@ -93,33 +91,18 @@ class StationStages:
         return next((p for p in self.made["clouds"] if p.value.station == station.name), None)
 
     def _targets(self) -> list[Product[Any]]:
-        """Targets named by hand where a table is given, else found in the cloud, with planes and axes."""
         survey, options = self._survey, self._options.targets
-        figures = options.planes or options.axes
 
         def found(station: ScanStation, emit: Emit) -> Product[StationFeatures]:
-            table, cloud = station.targets, self._cloud_of(station)
-
-            def targets(emit: Emit) -> StationFeatures:
-                if table is not None:
-                    return read_target_table(table, station.name, survey.scanner)
-                if cloud is None:
-                    raise StageError(
-                        "targets",
-                        f"the station {station.name} has neither cloud nor targets",
-                        "give station.cloud or station.targets in the survey",
-                    )
-                return find_targets(station_points(cloud.value.path), station.name, survey, options, emit)
+            cloud = self._cloud_of(station)
 
             def make() -> StationFeatures:
-                if cloud is None or not figures:
-                    return targets(emit)
-                points = targets(part(emit, 0.0, 0.5))
-                more = find_figures(cloud.value, survey, options, self._folder.path, part(emit, 0.5, 1.0))
-                return replace(points, features=(*points.features, *more))
+                points = None if cloud is None else cloud.value
+                return station_features(station, points, survey, options, self._folder.path, emit)
 
-            source = None if table is None else stamp_file(table)
-            needs = (source, cloud, survey.scanner, survey.targets, survey.structure, options)
+            table = None if station.targets is None else stamp_file(station.targets)
+            names = () if station.names is None else (stamp_file(station.names),)
+            needs = (table, cloud, survey.scanner, survey.targets, survey.structure, options, *names)
             return self._folder.product("targets", StationFeatures, make, *needs, block=station.name)
 
         return self._station_by_station("targets", found, survey.stations)

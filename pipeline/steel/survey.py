@@ -21,6 +21,7 @@ from pipeline.steel.survey_records import ControlTarget, PhotoSet, ScanStation, 
 CLOUD_ENDINGS = (".e57", ".las", ".laz", ".ply", ".pts", ".xyz")
 """What clouds.py can read."""
 
+FILES_OF_STATION = ("cloud", "targets", "names")
 LEAST_STATIONS = 2
 LEAST_CONTROL = 3
 
@@ -77,13 +78,19 @@ def _error(cause: str, remedy: str) -> StageError:
 
 
 def _with_absolute_paths(station: ScanStation, folder: Path) -> ScanStation:
-    for key, written in (("cloud", station.cloud), ("targets", station.targets)):
+    for key in FILES_OF_STATION:
+        written = getattr(station, key)
         if written is not None and not written.parts:
             raise _error(f"station[{station.name}].{key} is empty", "name a file")
+
+    def absolute(path: Path | None) -> Path | None:
+        return None if path is None else _absolute(path, folder)
+
     return replace(
         station,
-        cloud=None if station.cloud is None else _absolute(station.cloud, folder),
-        targets=None if station.targets is None else _absolute(station.targets, folder),
+        cloud=absolute(station.cloud),
+        targets=absolute(station.targets),
+        names=absolute(station.names),
     )
 
 
@@ -144,15 +151,21 @@ def _check_files(station: ScanStation, survey: SteelSurvey) -> None:
     key = f"station[{station.name}]"
     if station.cloud is None and station.targets is None:
         raise _error(f"{key} has neither cloud nor targets", "name at least one of the files")
-    for name, path in (("cloud", station.cloud), ("targets", station.targets)):
+    for name in FILES_OF_STATION:
+        path = getattr(station, name)
         if path is not None and not path.is_file():
             raise _error(f"{key}.{name}: {path} does not exist", "correct the path or bring the file there")
+    if station.names is not None and station.cloud is None:
+        raise _error(
+            f"{key}.names is given without {key}.cloud, in which the named things would be found",
+            f"give the cloud, or list the places of targets in {key}.targets",
+        )
     if station.cloud is not None and station.cloud.suffix.lower() not in CLOUD_ENDINGS:
         raise _error(
             f"{key}.cloud: {station.cloud.name} is of a kind that is not known",
             f"give one of {', '.join(CLOUD_ENDINGS)}",
         )
-    if station.targets is None and survey.targets.radius_mm is None:
+    if station.targets is None and station.names is None and survey.targets.radius_mm is None:
         raise _error(
             f"targets.radius_mm is missing, but the targets of {key} are to be found in its cloud",
             f"give the radius of the spheres, or {key}.targets named by hand",

@@ -77,6 +77,7 @@ class ScanStation:
         cloud: absolute path of its points in the station frame; None where only targets are known.
         unit: of the cloud.
         targets: absolute path of a table of targets named by hand; None without one.
+        names: absolute path of a table that names targets, axes and planes of the cloud; None without one.
         base: the site frame is this station's.
     """
 
@@ -84,6 +85,7 @@ class ScanStation:
     cloud: Path | None = None
     unit: LengthUnit = LengthUnit.METRE
     targets: Path | None = None
+    names: Path | None = None
     base: bool = False
 
 

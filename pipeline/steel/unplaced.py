@@ -22,6 +22,9 @@ def explain(
     alone = [
         s for s in outside if not any(seen[s].keys() & seen[o].keys() for o in range(len(seen)) if o != s)
     ]
+    figures = _figures_of(network, placed, outside)
+    if figures:
+        return figures
     if alone:
         return _error(
             f"station {network.stations[alone[0]]} has no target in common with any other station",
@@ -42,7 +45,7 @@ def explain(
         return _error(
             f"station {name} shares only {len(common)} target{'s' if len(common) > 1 else ''} ({targets}) "
             f"with the stations placed before it",
-            f"it needs at least {least}",
+            f"it needs at least {least}, or axes and planes named by hand (station.names) that hold it",
         )
     if _on_a_line(network, seen[best], common, level):
         return _error(
@@ -54,6 +57,22 @@ def explain(
         f"by more than {options.start_tolerance_m:g} m",
         "check their names and that none was moved",
     )
+
+
+def _figures_of(network: Network, placed: list[int], outside: list[int]) -> StageError | None:
+    """The sentence where a station shares named axes or planes, and they did not place it."""
+    known = {int(network.feature[n]) for s in placed for n in network.figures_of(s)}
+    for station in outside:
+        shared = sorted({int(network.feature[n]) for n in network.figures_of(station)} & known)
+        if shared:
+            names, mine = ", ".join(network.names[f] for f in shared), network.stations[station]
+            return _error(
+                f"the axes and planes that station {mine} shares with those placed ({names}) do not hold it, "
+                "or do not lie as they do there",
+                "check their names, or name more by hand in station.names (three planes or axes that face "
+                "different ways, or two columns and a floor), or add targets",
+            )
+    return None
 
 
 def _on_a_line(network: Network, mine: dict[int, int], common: list[int], level: bool) -> bool:

@@ -12,6 +12,7 @@ from pipeline.steel.figures import name_figures
 from pipeline.steel.records import Feature, FeatureKind, StationFeatures, StationPose
 from pipeline.steel.register import register
 from pipeline.steel.registration_options import RegisterOptions
+from pipeline.steel.registration_records import GrossKind
 from tests.steel.simulated_network import pose_errors, simulate
 
 OFFSET_M, SLOPE = 0.0004, 0.00006
@@ -222,4 +223,63 @@ def test_a_wrong_match_is_dropped_and_is_no_gross_error():
     _, together = register_with_figures(simulated.survey, [one, *found[1:]], RegisterOptions(), silent)
     assert not together.gross
     places, _ = pose_errors(together.poses, simulated)
+    assert np.abs(places).max() < 0.0015
+
+
+def named_by_hand(found, truth, names, stations):
+    """The stations numbered, with names for true figures: {figure: name}."""
+    return [
+        replace(
+            one,
+            features=tuple(
+                replace(f, name=names[truth[one.station, n]])
+                if s in stations and truth.get((one.station, n)) in names
+                else f
+                for n, f in enumerate(one.features)
+            ),
+        )
+        for s, one in enumerate(found)
+    ]
+
+
+def test_names_given_by_hand_are_kept_and_spread_to_whoever_sees_the_same():
+    simulated = simulate(6, 2, levelled=True)
+    found, truth = with_figures(simulated, 2, share=1.0)
+    by_hand = named_by_hand(found, truth, {0: "8-N", 14: "A001", 16: "floor"}, {1, 3})
+    features, registration = register_with_figures(simulated.survey, by_hand, RegisterOptions(), silent)
+    assert not registration.gross
+    pairs = given(features, truth)
+    assert {("8-N", 0), ("A001", 14), ("floor", 16)} <= pairs
+    assert len({name for name, _ in pairs}) == len({figure for _, figure in pairs}) == len(pairs)
+    for name, figure in (("8-N", 0), ("floor", 16)):
+        with_it = [one.station for one in features if any(f.name == name for f in one.features)]
+        assert len(with_it) == 6, figure
+
+
+def test_two_names_by_hand_for_one_figure_are_the_surveyors_word():
+    simulated = simulate(4, 2, levelled=True)
+    found, truth = with_figures(simulated, 2, share=1.0)
+    poses = register(simulated.survey, found, RegisterOptions(), silent).poses
+    two = named_by_hand(named_by_hand(found, truth, {0: "8-N"}, {1}), truth, {0: "7-P"}, {2})
+    names = [
+        {f.name for n, f in enumerate(one.features) if truth.get((one.station, n)) == 0}
+        for one in name_figures(two, poses)
+    ]
+    assert names == [{""}, {"8-N"}, {"7-P"}, {""}]
+
+
+@pytest.mark.parametrize("other", [1, 15])
+def test_a_figure_named_wrongly_by_hand_is_a_gross_error_and_the_rest_is_unharmed(other):
+    """One station calls another column, or the wall across, by the name that two others use."""
+    simulated = simulate(6, 1, levelled=True)
+    found, truth = with_figures(simulated, 1, share=1.0)
+    name, figure = ("8-N", 0) if other == 1 else ("west wall", 14)
+    right = named_by_hand(found, truth, {figure: name}, {0, 2, 3})
+    wrong = named_by_hand(right, truth, {other: name}, {4})
+    _, registration = register_with_figures(simulated.survey, wrong, RegisterOptions(), silent)
+    (error,) = registration.gross
+    assert (error.station, error.target) == ("S005", name)
+    assert error.kind is GrossKind.MISNAMED
+    assert 0.2 < error.size_mm / 1000 < 60
+    places, _ = pose_errors(registration.poses, simulated)
     assert np.abs(places).max() < 0.0015

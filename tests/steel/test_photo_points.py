@@ -8,7 +8,7 @@ import pytest
 
 from pipeline.core.vocabulary import Lens, Poses
 from pipeline.steel.photo_depth import DepthMap, grid_rays
-from pipeline.steel.photo_points import points_of
+from pipeline.steel.photo_points import points_of, share_behind
 from pipeline.steel.photo_records import DepthOptions, OrientedPhotos
 
 LENS = Lens(
@@ -37,13 +37,25 @@ def flattened(depth, rng, noise_px):
     return (1 / inverse).astype(np.float32)
 
 
-@pytest.fixture(scope="module")
-def cloud():
+def plate_depth(rays, centre):
+    """Along z: a square plate that faces the cameras, or the ground behind it."""
+    met = BALL[2] * rays + centre
+    return np.where(np.abs(met[..., :2]).max(axis=-1) < RADIUS, BALL[2], GROUND)
+
+
+def fattened(depth, rng, noise_px):
+    """As windows see an edge: half a window beyond it, what is nearer counts."""
+    inverse = 1 / cv2.erode(depth, np.ones((WINDOW, WINDOW)))
+    return (1 / (inverse + noise_px / LENS.focal_px / 1.2 * rng.normal(size=depth.shape))).astype(np.float32)
+
+
+def cloud_of(true, seen):
+    """Points of the middle of three photos, whose depth maps ``seen`` makes of the ``true`` depths."""
     rng = np.random.default_rng(1)
     rays = grid_rays(LENS, OPTIONS.step_px)
     maps = {}
     for number, centre in enumerate(CENTRES):
-        depth = flattened(true_depth(rays, centre), rng, 0.06)
+        depth = seen(true(rays, centre), rng, 0.06)
         others = tuple(k for k in range(3) if k != number)
         maps[number] = DepthMap(
             depth=depth, score=np.full(depth.shape, 0.9, dtype=np.float32), neighbours=others, step_px=2
@@ -59,6 +71,11 @@ def cloud():
         reprojection_px=0.3,
     )
     return points_of(photos, maps, 1, np.zeros((300, 400, 3), dtype=np.uint8), OPTIONS)
+
+
+@pytest.fixture(scope="module")
+def cloud():
+    return cloud_of(true_depth, flattened)
 
 
 def along_rays(points):
@@ -82,3 +99,36 @@ def test_points_on_the_ground_do_not_suffer_for_it(cloud):
     off, sigmas = along_rays(cloud.points[far]), cloud.sigmas[far]
     assert np.mean(np.abs(off) < 2 * sigmas) >= 0.9
     assert np.median(sigmas) < 3 * 1.4826 * np.median(np.abs(off))
+
+
+def test_points_beside_an_edge_that_have_its_depth_know_how_far_they_may_be_off():
+    cloud = cloud_of(plate_depth, fattened)
+    rays = cloud.points / cloud.points[:, 2:]
+    ground = plate_depth(rays, np.zeros(3)) == GROUND
+    hover = ground & (cloud.points[:, 2] < 0.5 * (GROUND + BALL[2]))
+    past_m = np.abs(cloud.points[hover, :2]).max(axis=1) - RADIUS
+    assert hover.sum() > 50
+    assert 0.01 < np.median(past_m) < 0.06
+    assert np.mean(past_m < 2 * cloud.sigmas[hover]) >= 0.9
+    # the ground's own points beside them are as good as those far from the plate
+    own = ground & (cloud.points[:, 2] > 0.98 * GROUND)
+    beside = own & (np.abs(rays[:, :2]).max(axis=1) < 1.5 * RADIUS / BALL[2])
+    assert beside.sum() > 50
+    assert np.median(cloud.sigmas[beside]) < 1.5 * np.median(cloud.sigmas[own & ~beside])
+
+
+def test_only_what_lies_behind_counts_and_the_unknown_counts_as_the_farthest_beside_it():
+    depth = np.full((40, 60), 5.0)
+    depth[:, :30] = 4.0
+    valid = np.ones(depth.shape, dtype=bool)
+    share = share_behind(depth, valid)[20]
+    assert share[29] == pytest.approx(2 / 5)
+    assert share[28] == pytest.approx(1 / 5)
+    assert not share[:28].any()
+    assert not share[30:].any()
+    holes = valid.copy()
+    holes[:, 29:32] = False  # between near and far: cells of the near side may be behind
+    holes[:, 45:48] = False  # on even ground: of no matter
+    share = share_behind(depth, holes)[20]
+    assert share[28] == pytest.approx(2 / 5)
+    assert not share[32:].any()

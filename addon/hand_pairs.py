@@ -10,6 +10,7 @@ from pipeline.core.errors import StageError
 
 from .gather import gather_survey
 from .properties.mosaic import CableTwinMosaic
+from .segments import segments_of
 
 if TYPE_CHECKING:
     from pipeline.cable.pairs import HandPair
@@ -75,11 +76,18 @@ def pairs_words(scene: bpy.types.Scene, folder: Path) -> list[str]:
     """Write the pairs into the run folder if the scene joins by hand; the words that say so.
 
     Raises:
-        StageError: a pair is of a block that is not there, or the file cannot be written.
+        StageError: a pair is of a block that is not there, the run was worked off in segments, or the file
+            cannot be written.
     """
     mosaic = scene.cabletwin.mosaic
     if mosaic.way != "BY_HAND" or not mosaic.pairs:
         return []
+    if segments_of(folder):
+        raise StageError(
+            "mosaic",
+            "pairs picked by hand join a cable in one piece, and this run was worked off in segments",
+            "choose Automatic in the panel Mosaic",
+        )
     from pipeline.cable.pairs import write_pairs
     from pipeline.joining import PAIRS_FILE
 

@@ -1,12 +1,14 @@
-"""What is written over the 3D views: the stations' figures, and the legend of the surface's colours.
+"""What is written over the 3D views: the stations' figures, the numbers of the pairs, and the legend of the
+surface's colours.
 
 Batches are made once; drawing sets them into place and writes the numbers.  Leaves out Blender without a
 window.
 """
 
+import math
 from collections.abc import Iterator
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import blf
 import bpy
@@ -15,8 +17,11 @@ from bpy.app.translations import pgettext_iface as translated
 from bpy.app.translations import pgettext_n as n_
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from gpu_extras.batch import batch_for_shader
+from mathutils import Matrix, Vector
 
-from .results.collections import STATIONS, existing
+from .results.clouds import GAMMA
+from .results.collections import PAIRS, STATIONS, existing
+from .results.marks import LABEL
 
 TITLES = {
     "MEAN": n_("Deviation from mean"),
@@ -25,13 +30,15 @@ TITLES = {
 }
 STEPS = 64
 BAR_PX, MARGIN_PX = (16, 180), (30, 60)
-FONT_PX, LINE_PX, PAD_PX, GAP_PX = 12, 20, 6, 2
+FONT_PX, LINE_PX, PAD_PX, GAP_PX, DOT_PX = 12, 20, 6, 2, 9
 WHITE, BACK, PROVISIONAL = (1.0, 1.0, 1.0, 1.0), (0.06, 0.06, 0.06, 0.85), (0.6, 0.85, 1.0, 1.0)
 
 _handle: list[Any] = []
 
 type Box = tuple[float, float, float, float]
 """Left, low, width, height, in pixels."""
+type Colour = tuple[float, ...]
+"""Red, green, blue, opacity, 0 to 1, as the screen has them."""
 
 
 def ticks(limit_mm: float) -> tuple[tuple[float, str], ...]:
@@ -83,31 +90,63 @@ def _draw() -> None:
     gpu.state.blend_set("NONE")
 
 
+class Label(NamedTuple):
+    """What is written at a place in the view; ``dot`` marks the place itself, where it has a colour."""
+
+    x: float
+    y: float
+    text: str
+    colour: Colour
+    dot: Colour | None
+
+
 def _labels(context: bpy.types.Context, scale: float) -> None:
-    """The figures of the stations that are shown."""
-    pad, found = PAD_PX * scale, list(_anchors(context))
+    """The figures of the stations and the numbers of the pairs, as far as they are shown."""
+    pad, found = PAD_PX * scale, [*_stations(context), *_marks(context)]
     free = context.region.width - _covered(context.area, "UI")
-    sizes = [(blf.dimensions(0, text)[0] + 2 * pad, LINE_PX * scale) for _, text, _ in found]
-    boxes = [
-        (beside_sidebar(x, size[0], free), y, *size)
-        for ((x, y), _, _), size in zip(found, sizes, strict=True)
-    ]
-    for box, (_, text, colour) in zip(apart(boxes), found, strict=True):
-        _plate(box)
-        _write(text, box[0] + pad, box[1] + pad, colour)
+    boxes = []
+    for label in found:
+        left = label.x if label.dot is None else label.x + DOT_PX * scale
+        width = blf.dimensions(0, label.text)[0] + 2 * pad
+        boxes.append((beside_sidebar(left, width, free), label.y, width, LINE_PX * scale))
+        if label.dot is not None:
+            _draw_in(_disc(), (label.x, label.y, DOT_PX * scale, DOT_PX * scale), label.dot)
+    for box, label in zip(apart(boxes), found, strict=True):
+        _draw_in(_square(), box, BACK)
+        _write(label.text, box[0] + pad, box[1] + pad, label.colour)
 
 
-def _anchors(
-    context: bpy.types.Context,
-) -> Iterator[tuple[tuple[float, float], str, tuple[float, ...]]]:
-    stations = existing(context.scene, STATIONS)
-    for item in stations.objects if stations else ():
-        if "cabletwin_label" not in item or not item.visible_get(view_layer=context.view_layer):
+def _stations(context: bpy.types.Context) -> Iterator[Label]:
+    for item, x, y in _seen(context, STATIONS):
+        colour = PROVISIONAL if item.get("cabletwin_provisional") else WHITE
+        yield Label(x, y, item[LABEL], colour, None)
+
+
+def _marks(context: bpy.types.Context) -> Iterator[Label]:
+    """Those on the side of the cable that one looks at."""
+    view = context.region_data
+    for item, x, y in _seen(context, PAIRS):
+        if is_in_front(item.matrix_world.translation, view.view_matrix, perspective=view.is_perspective):
+            shade = tuple(part ** (1 / GAMMA) for part in item.data.materials[0].diffuse_color)
+            yield Label(x, y, item[LABEL], WHITE, shade)
+
+
+def _seen(context: bpy.types.Context, kind: str) -> Iterator[tuple[bpy.types.Object, float, float]]:
+    """Objects with a label that are not hidden, and where their origins are seen."""
+    found = existing(context.scene, kind)
+    for item in found.objects if found else ():
+        if LABEL not in item or not item.visible_get(view_layer=context.view_layer):
             continue
         place = location_3d_to_region_2d(context.region, context.region_data, item.matrix_world.translation)
         if place is not None:
-            colour = PROVISIONAL if item.get("cabletwin_provisional") else WHITE
-            yield (place.x, place.y), item["cabletwin_label"], colour
+            yield item, place.x, place.y
+
+
+def is_in_front(place: Vector, view_from_world: Matrix, *, perspective: bool) -> bool:
+    """Whether a place on the cable, whose axis is y, lies on the side that is turned to the eye."""
+    world_from_view = view_from_world.inverted()
+    towards = world_from_view.translation - place if perspective else world_from_view.col[2].to_3d()
+    return Vector((place.x, 0.0, place.z)).dot(towards) > 0
 
 
 def _legend(context: bpy.types.Context, scale: float) -> None:
@@ -116,7 +155,8 @@ def _legend(context: bpy.types.Context, scale: float) -> None:
     width, height = (scale * b for b in BAR_PX)
     line, heading = LINE_PX * scale, title(scene)
     wide = max(blf.dimensions(0, heading)[0], width + 4 * line)
-    _plate((left - pad, low - line / 2 - pad, wide + 2 * pad, height + 2.2 * line + 2 * pad))
+    behind = (left - pad, low - line / 2 - pad, wide + 2 * pad, height + 2.2 * line + 2 * pad)
+    _draw_in(_square(), behind, BACK)
     with gpu.matrix.push_pop():
         gpu.matrix.translate((left, low))
         gpu.matrix.scale((width, height))
@@ -127,19 +167,19 @@ def _legend(context: bpy.types.Context, scale: float) -> None:
     _write(heading, left, low + height + line, WHITE)
 
 
-def _write(text: str, x: float, y: float, colour: tuple[float, ...]) -> None:
+def _write(text: str, x: float, y: float, colour: Colour) -> None:
     blf.color(0, *colour)
     blf.position(0, x, y, 0)
     blf.draw(0, text)
 
 
-def _plate(box: Box) -> None:
-    """A dark plate behind what is written, so that it is legible over anything."""
-    shader, batch = _square()
+def _draw_in(shape: tuple[Any, Any], box: Box, colour: Colour) -> None:
+    """A shape of width and height 1 in a place of its own."""
+    shader, batch = shape
     with gpu.matrix.push_pop():
         gpu.matrix.translate(box[:2])
         gpu.matrix.scale(box[2:])
-        shader.uniform_float("color", BACK)
+        shader.uniform_float("color", colour)
         batch.draw(shader)
 
 
@@ -157,6 +197,15 @@ def beside_sidebar(left: float, width: float, free: float) -> float:
 def _square() -> tuple[Any, Any]:
     shader = gpu.shader.from_builtin("UNIFORM_COLOR")
     return shader, batch_for_shader(shader, "TRI_STRIP", {"pos": [(0, 0), (1, 0), (0, 1), (1, 1)]})
+
+
+@cache
+def _disc() -> tuple[Any, Any]:
+    """About its middle."""
+    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
+    turn = [2 * math.pi * k / STEPS for k in range(STEPS + 1)]
+    around = [(math.cos(t) / 2, math.sin(t) / 2) for t in turn]
+    return shader, batch_for_shader(shader, "TRI_FAN", {"pos": [(0.0, 0.0), *around]})
 
 
 @cache
@@ -184,5 +233,5 @@ def unregister() -> None:
     """Draw no more."""
     while _handle:
         bpy.types.SpaceView3D.draw_handler_remove(_handle.pop(), "WINDOW")
-    for made in (_square, _bar):
+    for made in (_square, _disc, _bar):
         made.cache_clear()

@@ -1,11 +1,13 @@
-"""The run of a long survey: which of its segments is shown, and where along the cable that one lies.
+"""The run of a long survey: which of its segments is shown, and where on the cable that one lies.
 
-Such a run has a run folder for each segment, whose positions count from the segment's own first frame.  Read
-here, a segment lies at its place on the whole cable, with the whole's report.
+Such a run has a run folder for each segment, whose positions count from the segment's own first frame, and
+whose azimuths from the robot as it hung there.  Read here, a segment lies at its place on the whole cable,
+with the whole's report.  How its axis leans out of its neighbours' is told there and not drawn.
 """
 
 import json
-from dataclasses import replace
+import math
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +18,35 @@ from pipeline.segments.plan import SEGMENTS
 
 if TYPE_CHECKING:
     from pipeline.cable.measure import Measurement
+    from pipeline.cable.ring import Ring
+    from pipeline.core.vocabulary import Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class Place:
+    """Where a run lies on the whole cable.
+
+    Attributes:
+        start_m: of its own origin, along the cable; 0 where that is not known yet, or the run is the whole.
+        roll: added to its azimuths gives those of the whole, radians.
+    """
+
+    start_m: float = 0.0
+    roll: float = 0.0
+
+    @property
+    def turned(self) -> "Array":
+        """(2, 2): x and z across the cable, from the run to the whole (right-handed about +y)."""
+        cos, sin = math.cos(self.roll), math.sin(self.roll)
+        return np.array([[cos, sin], [-sin, cos]])
+
+    @property
+    def whole_from_run(self) -> "Array":
+        """(4, 4), metres."""
+        matrix = np.eye(4)
+        matrix[np.ix_([0, 2], [0, 2])] = self.turned
+        matrix[1, 3] = self.start_m
+        return matrix
 
 
 def segments_of(folder: Path) -> tuple[Path, ...]:
@@ -37,10 +68,13 @@ def number_of(folder: Path) -> int:
     return parts.index(folder) + 1 if folder in parts else 0
 
 
-def start_m(folder: Path) -> float:
-    """Place of a run's own origin along the whole cable; 0 where that is not known yet."""
+def place_of(folder: Path) -> Place:
+    """Where a run, or a segment of one, lies on the whole cable."""
     told = _report(whole_of(folder)) if number_of(folder) else {}
-    return next((float(s["start_m"]) for s in told.get("segments", ()) if s["name"] == folder.name), 0.0)
+    for row in told.get("segments", ()):
+        if row["name"] == folder.name:
+            return Place(start_m=float(row["start_m"]), roll=math.radians(row.get("roll_deg", 0.0)))
+    return Place()
 
 
 def read_run(folder: Path) -> OpenedRun:
@@ -52,31 +86,49 @@ def read_run(folder: Path) -> OpenedRun:
     run = open_run(folder)
     if not number_of(run.folder):
         return run
-    by_m = start_m(run.folder)
+    place = place_of(run.folder)
+    whole_from_run = place.whole_from_run
     return replace(
         run,
-        blocks=tuple(replace(b, cable_from_block=along(by_m) @ b.cable_from_block) for b in run.blocks),
-        ring=run.ring and replace(run.ring, y_m=run.ring.y_m + by_m, picture_y_m=run.ring.picture_y_m + by_m),
-        measurement=run.measurement and _moved(run.measurement, by_m),
+        blocks=tuple(replace(b, cable_from_block=whole_from_run @ b.cable_from_block) for b in run.blocks),
+        ring=run.ring and _moved_ring(run.ring, place),
+        measurement=run.measurement and _moved(run.measurement, place),
         report=_report(whole_of(run.folder)) or run.report,
     )
 
 
-def along(by_m: float) -> np.ndarray:
-    """(4, 4): moved along the cable."""
-    matrix = np.eye(4)
-    matrix[1, 3] = by_m
-    return matrix
+def _moved_ring(ring: "Ring", place: Place) -> "Ring":
+    return replace(
+        ring,
+        y_m=ring.y_m + place.start_m,
+        azimuth=ring.azimuth + place.roll,
+        picture_y_m=ring.picture_y_m + place.start_m,
+        picture_azimuth=ring.picture_azimuth + place.roll,
+    )
 
 
-def _moved(measured: "Measurement", by_m: float) -> "Measurement":
-    relief = measured.relief
-    features = tuple(replace(f, position_m=f.position_m + by_m) for f in relief.features)
+def _moved(measured: "Measurement", place: Place) -> "Measurement":
+    relief, by_m, turned = measured.relief, place.start_m, place.turned.T
+    sections = tuple(
+        replace(
+            s, position_m=s.position_m + by_m, centre_mm=s.centre_mm @ turned, points_mm=s.points_mm @ turned
+        )
+        for s in measured.sections
+    )
+    features = tuple(
+        replace(
+            f,
+            position_m=f.position_m + by_m,
+            azimuth_deg=math.remainder(f.azimuth_deg + math.degrees(place.roll), 360.0),
+        )
+        for f in relief.features
+    )
     return replace(
         measured,
-        sections=tuple(replace(s, position_m=s.position_m + by_m) for s in measured.sections),
+        sections=sections,
         profile_y_m=measured.profile_y_m + by_m,
-        relief=replace(relief, y_m=relief.y_m + by_m, features=features),
+        profile_centre_mm=measured.profile_centre_mm @ turned,
+        relief=replace(relief, y_m=relief.y_m + by_m, azimuth=relief.azimuth + place.roll, features=features),
     )
 
 

@@ -112,7 +112,7 @@ def open_run(folder: Path) -> OpenedRun:
     together = _load(folder, "joint", RingOrientation)
     return OpenedRun(
         folder=folder,
-        options=_options(folder),
+        options=_options(whole_of(folder)),
         blocks=tuple(
             _block(folder, number, sequence, together, mosaic, ring)
             for number, sequence in enumerate(frames.sequences)

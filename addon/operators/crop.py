@@ -4,6 +4,7 @@ import bpy
 
 from ..gather import write_crop
 from ..jobs import Job
+from ..pieces import Pieces
 from ..results.crop_preview import begin_preview, check_crop, end_preview, refresh_preview
 from .base import Operator
 from .following import JobOperator
@@ -78,10 +79,12 @@ class CABLETWIN_OT_crop_apply(JobOperator):
         write_crop(context.scene)
         return start_reconstruction(context)
 
+    def show(self, context: bpy.types.Context, scene: bpy.types.Scene) -> Pieces[None]:
+        """Bring the new results in, in place of the preview."""
+        yield from present_run(context, scene, run_folder(scene.cabletwin.run))
+
     def finished(self, context: bpy.types.Context, scene: bpy.types.Scene) -> None:
-        """Show the new results in place of the preview."""
-        end_preview(scene)
-        present_run(context, scene, run_folder(scene.cabletwin.run))
+        """Say so."""
         self.report({"INFO"}, "Cropped")
 
 

@@ -1,7 +1,7 @@
 """Operators that start a process and look after it, whatever it does.
 
-``invoke`` follows the process with a timer while Blender stays alive; ``execute`` waits for it, for scripts
-and tests.  Both show the same progress and end the same way.
+``invoke`` follows the process with a timer while Blender stays alive, and then brings in what it made, piece
+by piece; ``execute`` waits for it, for scripts and tests.  Both show the same progress and end the same way.
 """
 
 import time
@@ -13,10 +13,14 @@ from pipeline.core.errors import StageError
 from pipeline.progress import SHARES, Progress
 
 from ..jobs import Job
+from ..pieces import InTurns, Pieces, at_once
+from ..properties.job import SHOWING
 from ..wording import framed
 from .base import Operator
 
 TICK_S = 0.2
+TURN_S = 0.02
+"""From one turn of bringing results in to the next."""
 
 GRACE_S = 1.5
 """A job that was asked to stop and still runs after this is ended."""
@@ -81,6 +85,7 @@ class JobOperator(Operator):
     shares: Mapping[str, float] = SHARES
     _follower: Follower | None = None
     _timer: bpy.types.Timer | None = None
+    _showing: InTurns | None = None
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -101,8 +106,12 @@ class JobOperator(Operator):
         """
         raise NotImplementedError
 
+    def show(self, context: bpy.types.Context, scene: bpy.types.Scene) -> Pieces[None]:
+        """Bring what the job made into the scene that it was started from; by itself nothing."""
+        yield from ()
+
     def finished(self, context: bpy.types.Context, scene: bpy.types.Scene) -> None:
-        """Take over what the job made, for the scene that it was started from."""
+        """Take over what is quickly done, and say that it is."""
         raise NotImplementedError
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -113,7 +122,14 @@ class JobOperator(Operator):
             return self._refuse(error)
         while follower.tick():
             time.sleep(TICK_S)
-        return self._end(context, follower)
+        wrong = self._wrong(follower)
+        if wrong:
+            return wrong
+        try:
+            at_once(self._shown(context, follower.shown.scene))
+        except StageError as error:
+            return self._refuse(error)
+        return self._finish(context, follower.shown)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Start and follow."""
@@ -121,30 +137,68 @@ class JobOperator(Operator):
             self._follower = self._follow(context)
         except StageError as error:
             return self._refuse(error)
-        manager = context.window_manager
-        self._timer = manager.event_timer_add(TICK_S, window=context.window)
-        manager.modal_handler_add(self)
+        self._every(context, TICK_S)
+        context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Look after the job on each tick; ESC asks it to stop."""
+        """Look after the job on each tick, then bring in what it made; ESC asks to stop."""
         follower = self._follower
         if follower is None:
             return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS":
             follower.shown.tell(cancelling=True)
             return {"RUNNING_MODAL"}
-        if event.type != "TIMER" or follower.tick():
+        if event.type != "TIMER":
             return {"PASS_THROUGH"}
-        context.window_manager.event_timer_remove(self._timer)
-        return self._end(context, follower)
+        ended = self._turn(context, follower)
+        if not ended:
+            return {"PASS_THROUGH"}
+        self._every(context, None)
+        return ended
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Blender goes on to another file or ends: so does the job."""
         if self._follower is not None:
             self._follower.job.kill()
-            context.window_manager.event_timer_remove(self._timer)
+            if self._showing is not None:
+                self._showing.stop()
+            self._every(context, None)
             clear(self._follower.shown)
+
+    def _turn(self, context: bpy.types.Context, follower: Follower) -> set[str]:
+        """One tick; how it ended, or nothing as long as it goes on."""
+        shown = follower.shown
+        if self._showing is None:
+            if follower.tick():
+                return set()
+            wrong = self._wrong(follower)
+            if wrong:
+                return wrong
+            name = shown.scene
+            shown.tell(running=True, stage=SHOWING, fraction=1.0)
+            self._showing = InTurns(lambda: self._shown(context, name))
+            self._every(context, TURN_S)
+        if shown.cancelling:
+            self._showing.stop()
+            clear(shown)
+            return self._cancelled()
+        try:
+            if self._showing.turn():
+                return set()
+        except StageError as error:
+            clear(shown)
+            return self._refuse(error)
+        return self._finish(context, shown)
+
+    def _every(self, context: bpy.types.Context, seconds: float | None) -> None:
+        """Be called so often; None: no more."""
+        manager = context.window_manager
+        if self._timer is not None:
+            manager.event_timer_remove(self._timer)
+            self._timer = None
+        if seconds is not None:
+            self._timer = manager.event_timer_add(seconds, window=context.window)
 
     def _refuse(self, error: StageError) -> set[str]:
         self.report({"ERROR"}, framed(str(error)))
@@ -157,7 +211,8 @@ class JobOperator(Operator):
         shown.tell(running=True, kind=self.kind, scene=context.scene.name, log=str(job.log))
         return Follower(job, blocks, shown, self.shares)
 
-    def _end(self, context: bpy.types.Context, follower: Follower) -> set[str]:
+    def _wrong(self, follower: Follower) -> set[str]:
+        """What came of a job that did not end well; nothing if it did."""
         outcome, shown = follower.job.outcome(), follower.shown
         cancelled = shown.cancelling or outcome.code == INTERRUPTED
         clear(shown)
@@ -165,14 +220,24 @@ class JobOperator(Operator):
             shown.tell(failure=framed(outcome.failure))
             self.report({"ERROR"}, shown.failure)
             return {"CANCELLED"}
-        if outcome.code:
-            self.report({"INFO"}, "Cancelled: what is finished is kept")
-            return {"CANCELLED"}
+        return self._cancelled() if outcome.code else set()
+
+    def _cancelled(self) -> set[str]:
+        self.report({"INFO"}, "Cancelled: what is finished is kept")
+        return {"CANCELLED"}
+
+    def _shown(self, context: bpy.types.Context, name: str) -> Pieces[None]:
+        """:meth:`show`, unless the scene is gone."""
+        scene = bpy.data.scenes.get(name)
+        if scene is not None:
+            yield from self.show(context, scene)
+
+    def _finish(self, context: bpy.types.Context, shown: bpy.types.PropertyGroup) -> set[str]:
+        clear(shown)
         scene = bpy.data.scenes.get(shown.scene)
-        if scene is None:
-            return {"FINISHED"}
         try:
-            self.finished(context, scene)
+            if scene is not None:
+                self.finished(context, scene)
         except StageError as error:
             return self._refuse(error)
         return {"FINISHED"}

@@ -1,6 +1,7 @@
 """Operators of the measurement: stations added, removed and looked at; measuring them; what stands out."""
 
 import math
+from functools import partial
 
 import bpy
 from bpy.app.translations import pgettext_iface as translated
@@ -9,6 +10,7 @@ from mathutils import Vector
 from pipeline.core.errors import StageError
 
 from ..jobs import Job
+from ..pieces import Pieces, beside
 from ..properties.survey import add_station
 from ..results import collections
 from ..results.deviation import shows_ring
@@ -203,14 +205,18 @@ class CABLETWIN_OT_measure_run(JobOperator):
         """The whole chain: it finds by itself what must be made again."""
         return start_reconstruction(context)
 
-    def finished(self, context: bpy.types.Context, scene: bpy.types.Scene) -> None:
-        """Show what was measured; the surface too, if that is another one."""
+    def show(self, context: bpy.types.Context, scene: bpy.types.Scene) -> Pieces[None]:
+        """Bring in what was measured; the surface too, if that is another one."""
         folder = run_folder(scene.cabletwin.run)
         shown = chosen(folder, scene.cabletwin.run.segment)
         if shows_ring(scene, shown):
-            show_measurement(scene, read_run(shown))
+            run = yield from beside(partial(read_run, shown))
+            yield from show_measurement(scene, run)
         else:
-            present_run(context, scene, folder)
+            yield from present_run(context, scene, folder)
+
+    def finished(self, context: bpy.types.Context, scene: bpy.types.Scene) -> None:
+        """Say so."""
         self.report({"INFO"}, "Measured")
 
 

@@ -7,9 +7,10 @@ from pipeline.core.errors import StageError
 from ..hand_pairs import add_pairs, gather_pairs
 from ..jobs import Job
 from ..opened import opened
+from ..pieces import Pieces
 from ..results.joined import look_at_seam, place_blocks, seam, show_blocks, show_only
 from ..results.marks import show_marks
-from ..segments import along, start_m
+from ..segments import place_of
 from .base import Operator
 from .following import JobOperator
 from .results import present_run
@@ -129,9 +130,12 @@ class CABLETWIN_OT_mosaic_apply(JobOperator):
             raise StageError("mosaic", "there are no pairs", "pick one for each two neighbours")
         return start_reconstruction(context, "--from", "mosaic")
 
+    def show(self, context: bpy.types.Context, scene: bpy.types.Scene) -> Pieces[None]:
+        """Bring the new results in."""
+        yield from present_run(context, scene, run_folder(scene.cabletwin.run))
+
     def finished(self, context: bpy.types.Context, scene: bpy.types.Scene) -> None:
-        """Show the new results."""
-        present_run(context, scene, run_folder(scene.cabletwin.run))
+        """Say so."""
         self.report({"INFO"}, "Joined")
 
 
@@ -147,7 +151,7 @@ def fit(scene: bpy.types.Scene) -> None:
     names = [b.name for b in run.blocks]
     by_hand = mosaic.way == "BY_HAND"
     joined = join_run(run, gather_pairs(mosaic, names) if by_hand else None)
-    place_blocks(scene, names, along(start_m(run.folder)) @ joined.cable_from_block)
+    place_blocks(scene, names, place_of(run.folder).whole_from_run @ joined.cable_from_block)
     show_blocks(scene)
     show_marks(scene)
     if by_hand:

@@ -7,6 +7,7 @@ import bpy
 from pipeline.core.errors import StageError
 
 from ..jobs import Job
+from ..pieces import Pieces
 from .base import Operator
 from .following import JobOperator
 from .results import present_run
@@ -19,7 +20,7 @@ class CABLETWIN_OT_reconstruct_run(JobOperator):
     bl_idname = "cabletwin.reconstruct_run"
     bl_label = "Reconstruct"
     bl_description = "Run the whole chain in the background; what is finished in the run folder is kept"
-    bl_options = {"REGISTER"}
+    bl_options = {"UNDO"}
     kind = "reconstruct"
 
     again: bpy.props.BoolProperty(
@@ -41,9 +42,12 @@ class CABLETWIN_OT_reconstruct_run(JobOperator):
         again = ("--from", context.scene.cabletwin.run.start) if self.again else ()
         return start_reconstruction(context, *again)
 
+    def show(self, context: bpy.types.Context, scene: bpy.types.Scene) -> Pieces[None]:
+        """Bring the results in."""
+        yield from present_run(context, scene, run_folder(scene.cabletwin.run))
+
     def finished(self, context: bpy.types.Context, scene: bpy.types.Scene) -> None:
-        """Show the results."""
-        present_run(context, scene, run_folder(scene.cabletwin.run))
+        """Say so."""
         self.report({"INFO"}, "Reconstructed")
 
 

@@ -7,6 +7,7 @@ import bpy
 from pipeline.core.errors import StageError
 from pipeline.opened import whole_of
 
+from ..pieces import Pieces, at_once
 from ..preferences import preferences
 from ..results.collections import BLOCKS, MOSAIC, SPARSE
 from ..results.show import show_run
@@ -27,7 +28,8 @@ class CABLETWIN_OT_results_open(Operator):
 
     def work(self, context: bpy.types.Context) -> None:
         """Read and show."""
-        present_run(context, context.scene, run_folder(context.scene.cabletwin.run))
+        scene = context.scene
+        at_once(present_run(context, scene, run_folder(scene.cabletwin.run)))
 
 
 class CABLETWIN_OT_results_choose(FolderChoice, Operator):
@@ -42,11 +44,11 @@ class CABLETWIN_OT_results_choose(FolderChoice, Operator):
         """The scene remembers the folder where that went well."""
         run, whole = context.scene.cabletwin.run, whole_of(folder)
         run.segment = number_of(folder) or run.segment
-        present_run(context, context.scene, whole)
+        at_once(present_run(context, context.scene, whole))
         run.folder = str(whole)
 
 
-def present_run(context: bpy.types.Context, scene: bpy.types.Scene, folder: Path) -> None:
+def present_run(context: bpy.types.Context, scene: bpy.types.Scene, folder: Path) -> Pieces[None]:
     """Show a run folder in a scene, and look at it; of a long survey the segment that the panel asks for.
 
     Raises:
@@ -57,7 +59,7 @@ def present_run(context: bpy.types.Context, scene: bpy.types.Scene, folder: Path
             "run", f"{folder} is the run of a steel structure", "open it in the panel Steel structure"
         )
     shown = chosen(folder, scene.cabletwin.run.segment)
-    show_run(scene, shown, preferences(context).cloud_points)
+    yield from show_run(scene, shown, preferences(context).cloud_points)
     scene.cabletwin.results.segments = len(segments_of(folder))
     scene.cabletwin.run.segment = max(number_of(shown), 1)
     clear_startup(scene)

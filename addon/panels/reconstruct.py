@@ -6,10 +6,14 @@ import bpy
 from bpy.app.translations import pgettext_iface as translated
 from bpy.app.translations import pgettext_n as n_
 
+from ..properties.job import SHOWING
 from ..properties.run import STAGES
 from .base import Panel, aligned, sentence
 
-_STAGE_NAMES = {name: label for name, label, _ in STAGES} | {"render": n_("Rendering")}
+_STAGE_NAMES = {name: label for name, label, _ in STAGES} | {
+    "render": n_("Rendering"),
+    SHOWING: n_("Bringing in the results"),
+}
 
 
 class CABLETWIN_PT_reconstruct(Panel):

@@ -4,6 +4,9 @@ import bpy
 
 from ..sidebar import redraw_sidebars
 
+SHOWING = "show"
+"""What stands for a stage while results are brought in."""
+
 
 class CableTwinJob(bpy.types.PropertyGroup):
     """The one job that may run: a reconstruction or a rendering.

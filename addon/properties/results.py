@@ -51,6 +51,11 @@ class CableTwinResults(bpy.types.PropertyGroup):
     mean_absolute_error_mm: bpy.props.FloatProperty()
     warnings: bpy.props.StringProperty(description="One sentence a line")
 
+    def forget(self) -> None:
+        """No run is shown."""
+        for key in ("folder", "finished", "blocks", "stations", "has_truth", "warnings"):
+            self.property_unset(key)
+
     def take(self, run: "OpenedRun") -> None:
         """Keep what the panels show of a run."""
         from pipeline.cable.pairs import adjustment_stamp

@@ -5,6 +5,8 @@ and undo is in the meshes: which faces are cut, and the cell that each vertex ca
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
@@ -16,11 +18,15 @@ from pipeline.opened import OpenedBlock, OpenedRun
 
 from ..gather import crop_options, gather_survey
 from ..opened import opened
+from ..segments import number_of, place_of
 from ..wording import framed
 from . import collections
 from .materials import plain_material
-from .meshes import mesh_object
+from .meshes import mesh_object, prepared
 from .picking import block_objects
+
+if TYPE_CHECKING:
+    from pipeline.cable.crop import CropOptions
 
 KIND = n_("Crop preview")
 RED = (0.7, 0.04, 0.02, 1.0)
@@ -93,7 +99,7 @@ def _crops(scene: bpy.types.Scene, run: OpenedRun) -> Iterator[tuple[str, np.nda
     """Name, kept cells (n, m) and what is wrong, of every block."""
     from pipeline.cable.crop import crop_block
 
-    survey, options = gather_survey(scene), crop_options(scene)
+    survey, options = gather_survey(scene), _options_here(crop_options(scene), run)
     known = {b.name: b for b in survey.blocks}
     for block in run.blocks:
         if block.surface is None or block.picture is None:
@@ -107,6 +113,31 @@ def _crops(scene: bpy.types.Scene, run: OpenedRun) -> Iterator[tuple[str, np.nda
             yield block.name, np.zeros(block.surface.radius_m.shape, dtype=bool), error
 
 
+def _options_here(options: "CropOptions", run: OpenedRun) -> "CropOptions":
+    """Ends of the crop in the run's own places, as a segment of a long survey has them.
+
+    Raises:
+        StageError: nothing of the shown segment lies between them.
+    """
+    start_m = place_of(run.folder).start_m
+    ends = {
+        key: end_m - start_m
+        for key, end_m in (("from_m", options.from_m), ("to_m", options.to_m))
+        if end_m is not None
+    }
+    surface = run.blocks[0].surface
+    if number_of(run.folder) and surface is not None:
+        first_m, last_m = float(surface.y_m[0]), float(surface.y_m[-1])
+        if ends.get("from_m", first_m) > last_m or ends.get("to_m", last_m) < first_m:
+            raise StageError(
+                "crop",
+                f"nothing stays of segment {number_of(run.folder)}, which lies from "
+                f"{first_m + start_m:.2f} to {last_m + start_m:.2f} m",
+                "show a segment that start and end leave something of",
+            )
+    return replace(options, **ends)
+
+
 def _uncropped(scene: bpy.types.Scene, block: OpenedBlock, run: OpenedRun) -> bpy.types.Object:
     from pipeline.cable.surface import mesh_cells, mesh_surface
     from pipeline.report.block_model import textured
@@ -117,7 +148,11 @@ def _uncropped(scene: bpy.types.Scene, block: OpenedBlock, run: OpenedRun) -> bp
     tin = mesh_surface(surface, np.isfinite(surface.radius_m), options)
     twin = block_objects(scene).get(block.name)
     material = twin.data.materials[0] if twin is not None and twin.data.materials else None
-    made = mesh_object(f"{block.name} crop", textured(tin, surface, picture, options), material)
+    made = mesh_object(
+        f"{block.name} crop",
+        prepared(textured(tin, surface, picture, options), picture=material is None),
+        material,
+    )
     data = made.data
     data.materials.append(plain_material(RED))
     # flat index into the whole map, so that a preview needs no more than the crop itself

@@ -10,45 +10,50 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
+from ..pieces import Pieces, beside
 from . import collections
 from .materials import attribute_material
 
 if TYPE_CHECKING:
+    from pipeline.core.vocabulary import Array
     from pipeline.opened import OpenedRun
 
 FROM_MEAN, OVER_BASE, COLOUR = "deviation_mm", "height_mm", "Deviation"
 _RING = "cabletwin_ring"
 
 
-def attach_deviation(scene: bpy.types.Scene, run: "OpenedRun") -> None:
-    """Lay the distances on the mosaic's meshes and colour them as the scene wants it."""
-    if run.measurement is None or run.ring is None:
+def attach_deviation(mesh: bpy.types.Mesh, run: "OpenedRun") -> Pieces[None]:
+    """Lay the distances on a mesh of the mosaic; :func:`colour_surface` shows them."""
+    measurement, ring = run.measurement, run.ring
+    if measurement is None or ring is None:
         return
-    from pipeline.report import deviation
+    mesh[_RING] = _ring_stamp(run.folder)
+    coordinates = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    mesh.attributes["position"].data.foreach_get("vector", coordinates)
 
-    for mesh in _meshes(scene):
-        mesh[_RING] = _ring_stamp(run.folder)
-        coordinates = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-        mesh.vertices.foreach_get("co", coordinates)
+    def distances() -> tuple["Array", "Array"]:
+        from pipeline.report import deviation
+
         points = coordinates.reshape(-1, 3).astype(np.float64)
-        mean_mm = deviation.mean_diameter_mm(run.measurement)
-        away = deviation.circle_deviation_mm(points, run.measurement, mean_mm)
-        away[~deviation.is_measured(points, run.ring)] = np.nan
-        _set(mesh, FROM_MEAN, away)
-        _set(mesh, OVER_BASE, deviation.base_deviation_mm(points, run.measurement))
-    colour_surface(scene)
+        mean_mm = deviation.mean_diameter_mm(measurement)
+        away = deviation.circle_deviation_mm(points, measurement, mean_mm)
+        away[~deviation.is_measured(points, ring)] = np.nan
+        return away, deviation.base_deviation_mm(points, measurement)
+
+    for name, values in zip((FROM_MEAN, OVER_BASE), (yield from beside(distances)), strict=True):
+        _set(mesh, name, values)
 
 
 def shows_ring(scene: bpy.types.Scene, folder: Path) -> bool:
     """Whether the scene's mosaic is that of the run folder as it is now."""
-    meshes, now = _meshes(scene), _ring_stamp(folder)
+    meshes, now = mosaic_meshes(scene), _ring_stamp(folder)
     return bool(meshes and now) and all(mesh.get(_RING) == now for mesh in meshes)
 
 
 def colour_surface(scene: bpy.types.Scene) -> None:
     """Colour by deviation, or show the picture again."""
     wanted = scene.cabletwin.measure
-    for mesh in _meshes(scene):
+    for mesh in mosaic_meshes(scene):
         away = deviation_of(scene, mesh)
         if away is not None:
             from pipeline.report.deviation import diverging_colours
@@ -73,7 +78,8 @@ def deviation_of(scene: bpy.types.Scene, mesh: bpy.types.Mesh) -> np.ndarray | N
     return values
 
 
-def _meshes(scene: bpy.types.Scene) -> list[bpy.types.Mesh]:
+def mosaic_meshes(scene: bpy.types.Scene) -> list[bpy.types.Mesh]:
+    """Those that the scene holds now: one, or none."""
     found = collections.existing(scene, collections.MOSAIC)
     return [] if found is None else [o.data for o in found.objects if o.type == "MESH"]
 

@@ -1,4 +1,8 @@
-"""Marks of the pairs on the block meshes: small balls, numbered 1 and 1′ as homologous points are."""
+"""Marks of the pairs on the block meshes: small balls, numbered 1 and 1′ as homologous points are.
+
+The numbers are written by :mod:`..overlay`, which keeps them apart and leaves out those behind the cable; the
+balls, too, are seen only from in front, or a pair of one seam would seem to lie on the opposite one.
+"""
 
 import bmesh
 import bpy
@@ -19,6 +23,8 @@ COLOURS = (
     (1.0, 0.85, 0.1, 1.0),
     (0.3, 0.9, 0.85, 1.0),
 )
+LABEL = "cabletwin_label"
+"""What is written at a mark."""
 _DATA = "CableTwin mark"
 
 
@@ -28,9 +34,10 @@ def show_marks(scene: bpy.types.Scene) -> None:
     for number, pair in enumerate(scene.cabletwin.mosaic.pairs):
         first = _mark(scene, target, number, pair.block_a, Vector(pair.point_a))
         second = _mark(scene, target, number, pair.block_b, Vector(pair.point_b), partner=True)
-        if first and second:  # one number over the other is neither
+        if first and second:  # one number is enough for both
             apart_m = (second.matrix_world.translation - first.matrix_world.translation).length
-            second.show_name = apart_m > APART_M
+            if apart_m <= APART_M:
+                del second[LABEL]
 
 
 def show_pending(scene: bpy.types.Scene, block: str, point: Vector) -> None:
@@ -56,8 +63,8 @@ def _mark(
     made = bpy.data.objects.new(name, _ball(number % len(COLOURS), colour))
     # not its child: Blender would draw a line from each mark to the origin
     made.matrix_world = Matrix.LocRotScale(parent.matrix_world @ point, None, (RADIUS_M,) * 3)
-    made.show_name = made.show_in_front = made.hide_select = True
-    made["cabletwin_pair"], made["cabletwin_block"] = number, block
+    made.hide_select = True
+    made["cabletwin_pair"], made["cabletwin_block"], made[LABEL] = number, block, name
     target.objects.link(made)
     return made
 

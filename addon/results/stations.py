@@ -26,13 +26,27 @@ THIN, THICK = 0.007, 0.016
 _QUIET, _MEASURED, _PROVISIONAL = (0.9, 0.9, 0.9, 1), (1.0, 0.35, 0.0, 1), (0.1, 0.5, 1.0, 1)
 
 
-def show_stations(scene: bpy.types.Scene, run: "OpenedRun") -> None:
+type Sections = list[tuple["Section", np.ndarray]]
+"""Sections with their distances from their circles, mm, direction by direction."""
+
+
+def sections_of(run: "OpenedRun") -> Sections:
+    """What is drawn of the measured sections; touches no bpy."""
+    from pipeline.report.deviation import section_deviation_mm
+
+    return [
+        (s, section_deviation_mm(s.points_mm, s.centre_mm, s.diameter_mm / 2)[1])
+        for s in (run.measurement.sections if run.measurement else ())
+    ]
+
+
+def show_stations(scene: bpy.types.Scene, run: "OpenedRun", sections: Sections) -> None:
     """Draw every measured section and every station that is still to be measured."""
     target = collections.emptied(scene, collections.STATIONS)
     scene.cabletwin.measure.take(run)
-    for section in run.measurement.sections if run.measurement else ():
+    for section, away in sections:
         target.objects.link(_label(section))
-        target.objects.link(_curve(section))
+        target.objects.link(_curve(section, away))
     redraw_sections(scene)
     refresh_stations(scene)
 
@@ -135,11 +149,8 @@ def _circle(
     return made
 
 
-def _curve(section: "Section") -> bpy.types.Object:
+def _curve(section: "Section", away: np.ndarray) -> bpy.types.Object:
     """The section itself; its points are set by :func:`redraw_sections`."""
-    from pipeline.report.deviation import section_deviation_mm
-
-    _, away = section_deviation_mm(section.points_mm, section.centre_mm, section.diameter_mm / 2)
     name = f"{section.name} section"
     made = bpy.data.objects.new(name, _curve_data(name, THICK * section.diameter_mm / 2000, _MEASURED))
     made.location = (section.centre_mm[0] / 1000, section.position_m, section.centre_mm[1] / 1000)

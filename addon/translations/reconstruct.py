@@ -16,6 +16,7 @@ ZH = {
     "Reconstructed": "重建完成",
     "The survey has no blocks": "测量项目中没有条带",
     "Starting": "正在启动",
+    "Bringing in the results": "正在载入成果",
     "Again from": "从此步重做",
     "About {} left": "剩余约 {}",
     "Asked to stop; the job ends within two seconds": "已请求停止；任务将在两秒内结束",

@@ -130,14 +130,21 @@ def _report_tree(data: ReportData) -> dict[str, Any]:
 def _axis_tree(axis: AxisSummary | None) -> dict[str, Any]:
     if axis is None or not len(axis.position_m):
         return {"straightness_mm_per_m": None, "bow_mm": None, "profile": []}
-    return {
+    bow_mm = np.hypot(axis.bow_mm[:, 0], axis.bow_mm[:, 1])
+    rows = [
+        {"position_m": y_m, "x_mm": x_mm, "z_mm": z_mm}
+        for y_m, (x_mm, z_mm) in zip(axis.position_m, axis.centre_mm, strict=True)
+    ]
+    tree = {
         "straightness_mm_per_m": axis.straightness_mm_per_m,
-        "bow_mm": float(np.hypot(axis.bow_mm[:, 0], axis.bow_mm[:, 1]).max()),
-        "profile": [
-            {"position_m": y_m, "x_mm": x_mm, "z_mm": z_mm}
-            for y_m, (x_mm, z_mm) in zip(axis.position_m, axis.centre_mm, strict=True)
-        ],
+        "bow_mm": float(bow_mm.max()),
+        "profile": rows,
     }
+    if axis.sigma_mm is not None:
+        tree["bow_sigma_mm"] = float(axis.sigma_mm[bow_mm.argmax()])
+        for row, sigma_mm in zip(rows, axis.sigma_mm, strict=True):
+            row["bow_sigma_mm"] = sigma_mm
+    return tree
 
 
 def _lens_effect_tree(effect: LensEffect) -> dict[str, Any]:

@@ -87,7 +87,7 @@ def _draw_stations(axes: Axes, stations: tuple[StationResult, ...]) -> None:
 
 
 def axis_plot(axis: AxisSummary, language: Language) -> str:
-    """Distance of the axis from its chord in mm, along x and z, against position in m."""
+    """Distance of the axis from its chord in mm, along x and z, against position in m; band of two sigma."""
     with plot_style():
         figure = Figure(figsize=(10.4, 2.4), layout="constrained")
         axes = figure.add_subplot()
@@ -100,6 +100,10 @@ def axis_plot(axis: AxisSummary, language: Language) -> str:
             linestyle=(0, (5, 2)),
             label=_text("plot_along_z"),
         )
+        if axis.sigma_mm is not None:
+            for bow, colour in zip(axis.bow_mm.T, (GREEN, ORANGE), strict=True):
+                low, high = bow - 2 * axis.sigma_mm, bow + 2 * axis.sigma_mm
+                axes.fill_between(axis.position_m, low, high, color=colour, alpha=0.2, linewidth=0)
         axes.set_xlabel(_text("plot_position"))
         axes.set_ylabel(_text("plot_offset"))
         axes.margins(x=0.02, y=0.15)

@@ -10,9 +10,9 @@ SEGMENT_TEXTS: dict[str, tuple[str, str]] = {
         "全程行程给出总尺度。",
     ),
     "segments_caption": (
-        "Where each segment lies, and what ties it. The joined model is straight: how the segments bend "
-        "against each other is not told.",
-        "各段位置及其联系。拼接后的整体模型为直线：各段之间的弯曲不予表示。",
+        "Where each segment lies, what ties it, and by how much the next one leans out of its axis. The "
+        "joined model is laid straight along its axis; how the axis bends is told by the plot of the axis.",
+        "各段位置、联系以及下一段相对其轴线的倾斜。整体模型沿轴线展直；轴线的弯曲见轴线图。",
     ),
     "segment": ("Segment", "分段"),
     "segment_from_m": ("From (m)", "起点 (m)"),
@@ -22,4 +22,7 @@ SEGMENT_TEXTS: dict[str, tuple[str, str]] = {
     "segment_sigma_ppm": ("σ (ppm)", "σ (ppm)"),
     "segment_roll_deg": ("Robot turned by (°)", "机器人转角 (°)"),
     "segment_link_ppm": ("Contradiction to the next (ppm)", "与下一段的差异 (ppm)"),
+    "segment_bend_x": ("Next leans towards x (mm/m)", "下一段向 x 倾斜 (mm/m)"),
+    "segment_bend_z": ("Towards z (mm/m)", "向 z 倾斜 (mm/m)"),
+    "segment_bend_sigma": ("σ of the lean (mm/m)", "倾斜的 σ (mm/m)"),
 }

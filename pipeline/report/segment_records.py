@@ -1,6 +1,7 @@
 """What the report tells of the segments that a long survey was worked off in."""
 
 from dataclasses import dataclass
+from math import nan
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -16,6 +17,9 @@ class SegmentSummary:
         scale, scale_sigma: of its lengths against the nominal travel, and its standard deviation.
         roll_deg: by how much the robot was turned about the cable against the first segment.
         link_ppm: how far the frames shared with the next segment want another scale; NaN for the last.
+        bend_mm_per_m: by how much the next segment's axis leans out of this one's, towards x and z of the
+            whole cable; NaN where no next one is known.
+        bend_sigma_mm_per_m: standard deviation of either.
     """
 
     name: str
@@ -28,3 +32,5 @@ class SegmentSummary:
     scale_sigma: float
     roll_deg: float
     link_ppm: float
+    bend_mm_per_m: tuple[float, float] = (nan, nan)
+    bend_sigma_mm_per_m: float = nan

@@ -8,7 +8,8 @@ from pipeline.report.segment_records import SegmentSummary
 
 _COLUMNS = (
     *("segment", "segment_from_m", "segment_to_m", "segment_frames", "segment_scale_ppm"),
-    *("segment_sigma_ppm", "segment_roll_deg", "segment_link_ppm"),
+    *("segment_sigma_ppm", "segment_roll_deg", "segment_link_ppm", "segment_bend_x", "segment_bend_z"),
+    "segment_bend_sigma",
 )
 
 
@@ -36,5 +37,7 @@ def _row(segment: SegmentSummary) -> Row:
             number(1e6 * segment.scale_sigma, 0),
             signed(segment.roll_deg, 2),
             signed(segment.link_ppm, 0),
+            *(signed(lean, 2) for lean in segment.bend_mm_per_m),
+            number(segment.bend_sigma_mm_per_m, 2),
         ],
     )

@@ -192,12 +192,14 @@ class AxisSummary:
         position_m: (n,) places along the axis.
         bow_mm: (n, 2) distance of the axis from its chord there, along x and z of the cable frame.
         centre_mm: (n, 2) the axis itself there, x and z of the cable frame.
+        sigma_mm: (n,) standard deviation of the bow, along x and along z; None where it is not told.
     """
 
     straightness_mm_per_m: float
     position_m: Array
     bow_mm: Array
     centre_mm: Array
+    sigma_mm: Array | None = None
 
     def __post_init__(self) -> None:
         _check_shape(self, "bow_mm", (len(self.position_m), 2))

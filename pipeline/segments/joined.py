@@ -17,16 +17,23 @@ from pipeline.core.errors import StageError
 from pipeline.core.events import Emit, Event, part
 from pipeline.core.memory import peak_memory_mb
 from pipeline.core.runfolder import RunFolder
-from pipeline.core.vocabulary import FrameSequence
+from pipeline.core.vocabulary import Array, FrameSequence
 from pipeline.report.labels import Language
 from pipeline.report.segment_records import SegmentSummary
 from pipeline.report.types import ReportData, TruthStation
 from pipeline.report.written import write_files
+from pipeline.segments.bends import AxisPart, whole_axis
 from pipeline.segments.plan import Segment
+from pipeline.segments.straightened import straightened
 from pipeline.segments.told import Told
-from pipeline.segments.traverse import Placement
+from pipeline.segments.traverse import AdjustedSegment, Placement
 from pipeline.segments.whole import whole_report
 from pipeline.segments.whole_ring import Place, join_rings
+
+LEAST_PLACES = 3
+"""Of a segment's axis, for it to be told."""
+UNKNOWN = np.full(2, np.nan), float("nan")
+"""Bend to a next segment that is not there."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,12 +42,14 @@ class FinishedSegment:
 
     Attributes:
         segment, placement: which, and where it lies.
+        adjusted: its cameras; None where nothing could be found in it.
         folder: its run folder.
         told: what it tells; None where nothing could be found in it, and then
         lost: why.
     """
 
     segment: Segment
+    adjusted: AdjustedSegment | None
     placement: Placement
     folder: RunFolder
     told: Told | None
@@ -75,10 +84,18 @@ def write_whole(
     nominal_m = frames.places_m(survey.cable.travel_m)
     rings = _rings(there, part(emit, 0.0, 0.5))
     ring = join_rings(rings, _places(segments, nominal_m), survey.cable.travel_m)
+    chains = unbroken(segments)
+    axes = tuple(whole_axis([_axis_part(s) for s in c], to_the_end=c[-1] is segments[-1]) for c in chains)
+    bends = {
+        one.segment.number: (lean, sigma)
+        for chain, axis in zip(chains, axes, strict=True)
+        for one, lean, sigma in zip(chain, axis.bend_mm_per_m, axis.bend_sigma_mm_per_m, strict=False)
+    }
     data = whole_report(
         survey,
         tuple(s.told for s in there if s.told is not None),
-        tuple(_summary(s, nominal_m) for s in there),
+        tuple(_summary(s, nominal_m, bends.get(s.segment.number, UNKNOWN)) for s in there),
+        axes,
         ring,
         len(frames),
         truth,
@@ -90,10 +107,40 @@ def write_whole(
 
 
 def _rings(segments: list[FinishedSegment], emit: Emit) -> Iterator[Ring]:
-    """The segments' surfaces, read when they are asked for."""
+    """The segments' surfaces about their axes, read when they are asked for."""
     for number, one in enumerate(segments):
         emit(Event(stage="report", done=number, total=len(segments)))
-        yield store.load(Ring, one.folder.path / "products" / "all-ring.npz", one.folder.root)
+        ring = store.load(Ring, one.folder.path / "products" / "all-ring.npz", one.folder.root)
+        axis = one.told.axis if one.told is not None else None
+        yield (
+            ring
+            if axis is None
+            else straightened(ring, axis.position_m - one.placement.start_m, axis.centre_mm)
+        )
+
+
+def unbroken(segments: tuple[FinishedSegment, ...]) -> list[list[FinishedSegment]]:
+    """Chains of neighbours that tell of their axes: a segment that does not breaks the chain."""
+    chains: list[list[FinishedSegment]] = [[]]
+    for one in segments:
+        if one.told is not None and len(one.told.axis.position_m) >= LEAST_PLACES:
+            chains[-1].append(one)
+        elif chains[-1]:
+            chains.append([])
+    return [chain for chain in chains if chain]
+
+
+def _axis_part(of: FinishedSegment) -> AxisPart:
+    if of.told is None or of.adjusted is None:
+        raise ValueError("a segment that tells of its axis was adjusted")
+    return AxisPart(
+        segment=of.segment,
+        adjusted=of.adjusted,
+        placement=of.placement,
+        rotation=of.told.rotation,
+        y_m=of.told.axis.position_m,
+        centre_mm=of.told.axis.centre_mm,
+    )
 
 
 def _places(segments: tuple[FinishedSegment, ...], nominal_m: np.ndarray) -> list[Place]:
@@ -122,7 +169,7 @@ def _fade(
     return one.placement.to_m - quarter_m, one.placement.to_m + quarter_m
 
 
-def _summary(of: FinishedSegment, nominal_m: np.ndarray) -> SegmentSummary:
+def _summary(of: FinishedSegment, nominal_m: np.ndarray, bend: tuple[Array, float]) -> SegmentSummary:
     segment, placement = of.segment, of.placement
     return SegmentSummary(
         name=segment.name,
@@ -135,6 +182,8 @@ def _summary(of: FinishedSegment, nominal_m: np.ndarray) -> SegmentSummary:
         scale_sigma=placement.scale_sigma,
         roll_deg=float(np.rad2deg(placement.roll)),
         link_ppm=placement.link_ppm,
+        bend_mm_per_m=(float(bend[0][0]), float(bend[0][1])),
+        bend_sigma_mm_per_m=float(bend[1]),
     )
 
 

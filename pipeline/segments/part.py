@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.cable.chain import Chain
+from pipeline.cable.crop import CropOptions
 from pipeline.cable.joint import RingOrientation
 from pipeline.cable.records import CableOptions, SurveyFrames
 from pipeline.cable.survey import Survey
@@ -53,7 +54,8 @@ class SegmentChain(Chain):
         )
         stamps = [whole.stamp for whole in self._whole_frames]
         kept = self._folder.product("frames", SurveyFrames, lambda: mine, stamps, self._segment)
-        return [Product.of(sequence, kept.stamp) for sequence in kept.value.sequences]
+        root = self._folder.root  # files in a run folder that is moved stay the same
+        return [Product.of(sequence, kept.stamp, root=root) for sequence in kept.value.sequences]
 
     def place(self, whole: Survey, placement: Placement, *, last: bool) -> None:
         """Bring what was adjusted to true scale, and tell the stages to come what lies here.
@@ -70,6 +72,7 @@ class SegmentChain(Chain):
             for s in whole.cable.stations
             if placement.here(s.position_m, last)
         )
+        self._options = replace(self._options, crop=_moved(self._options.crop, -placement.start_m))
         share = placement.scale_sigma / placement.scale
         cable = replace(cable, travel_m=travel_m, travel_sigma_mm=1000 * share * travel_m, stations=stations)
         name = f"{whole.name} · {self._segment.number}"
@@ -87,6 +90,12 @@ def _ends(survey: Survey, segment: Segment, frames: FrameSequence) -> tuple[floa
     """Nominal places of the segment's outermost frames."""
     y_m = frames.places_m(survey.cable.travel_m)
     return float(y_m[segment.first]), float(y_m[segment.last])
+
+
+def _moved(crop: CropOptions, by_m: float) -> CropOptions:
+    """The same stretch, which is stated in places of the whole cable, in the segment's own."""
+    from_m, to_m = (None if end_m is None else end_m + by_m for end_m in (crop.from_m, crop.to_m))
+    return replace(crop, from_m=from_m, to_m=to_m)
 
 
 def _part_of(whole: FrameSequence, segment: Segment) -> FrameSequence:

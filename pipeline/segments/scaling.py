@@ -73,10 +73,13 @@ def _strips(strips: RingSigmas, scale: float) -> RingSigmas:
 
 
 def _path(path: RingPath, scale: float) -> RingPath:
+    units = np.ones(2 * len(path.y_m))
+    units[: len(path.y_m)] = scale
     return replace(
         path,
         y_m=scale * path.y_m,
         covariance_m2=scale**2 * path.covariance_m2,
         size_m=scale * path.size_m,
         size_sigma_m=scale * path.size_sigma_m,
+        across_covariance=path.across_covariance * np.outer(units, units),
     )

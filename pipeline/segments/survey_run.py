@@ -29,6 +29,7 @@ from pipeline.segments.part import SegmentChain
 from pipeline.segments.plan import SEGMENTS, Segment
 from pipeline.segments.told import Told, told
 from pipeline.segments.traverse import AdjustedSegment, Placement, close_traverse, unseen_segment
+from pipeline.set_aside import drop_set_aside
 
 ADJUSTED = STAGES[: STAGES.index("joint") + 1]
 SURVEY_WIDE = ("run", "survey", "frames", "pos", "report")
@@ -82,8 +83,8 @@ class SegmentedRun:
             return None
         placements = self._placed(adjusted)
         finished = tuple(
-            self._finished(segment, placement, truth, language, last)
-            for segment, placement in zip(self._segments, placements, strict=True)
+            self._finished(segment, known, placement, truth, language, last)
+            for segment, known, placement in zip(self._segments, adjusted, placements, strict=True)
         )
         if last != "report":
             return None
@@ -132,6 +133,7 @@ class SegmentedRun:
     def _finished(
         self,
         segment: Segment,
+        adjusted: AdjustedSegment | None,
         placement: Placement,
         truth: tuple[TruthStation, ...],
         language: Language,
@@ -148,6 +150,7 @@ class SegmentedRun:
                 self._lost[segment.number] = error
         return FinishedSegment(
             segment=segment,
+            adjusted=adjusted,
             placement=placement,
             folder=self._folders[segment.number - 1],
             told=found,
@@ -178,7 +181,12 @@ class SegmentedRun:
 
         def write() -> Told:
             data = write_run(chain.result(), chain.folder, here, language, chain.emit)
-            return told(data, placement, last=at_end)
+            # joined as one rig, the blocks stay where the adjustment has them: the mosaic's frame is its own
+            return told(data, chain.made["ring"][0].value.alignment.rotation, placement, last=at_end)
 
         stamps = [product for made in chain.made.values() for product in made]
-        return chain.folder.product("report", Told, write, *stamps, here, language, placement).value
+        found = chain.folder.product("report", Told, write, *stamps, here, language, placement).value
+        if not (chain.folder.path / "report.json").exists():
+            write()  # its files were set aside when a stage was made again by itself, to the same end
+        drop_set_aside(chain.folder.path)
+        return found

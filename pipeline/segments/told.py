@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pipeline.core.vocabulary import Array
 from pipeline.report.relief_records import ReliefFeature
 from pipeline.report.types import (
     AxisSummary,
@@ -26,7 +27,9 @@ class Told:
     Attributes:
         blocks: of the segment, frames shared with neighbours included.
         stations: those measured here.
-        profile, axis: between the hand-overs to the neighbours.
+        profile: between the hand-overs to the neighbours.
+        axis: over all of the segment.
+        rotation: (3, 3) from the frame of the adjusted cameras to that of the surface and the axis.
         features: of the relief, their middles there as well.
         relief_level_mm: what stands out exceeds this.
         mosaic: how the segment's blocks came together.
@@ -37,17 +40,19 @@ class Told:
     stations: tuple[StationResult, ...]
     profile: DiameterProfile
     axis: AxisSummary
+    rotation: Array
     features: tuple[ReliefFeature, ...]
     relief_level_mm: float
     mosaic: MosaicSummary
     warnings: tuple[str, ...]
 
 
-def told(data: ReportData, placement: Placement, *, last: bool) -> Told:
+def told(data: ReportData, rotation: Array, placement: Placement, *, last: bool) -> Told:
     """Pick up what lies between the hand-overs, and move it to its place.
 
     Args:
         data: of the finished segment: with profile, axis, relief and mosaic.
+        rotation: from the frame of its adjusted cameras to that of its surface.
         placement: where it lies.
         last: whether this is the survey's last segment.
 
@@ -58,21 +63,16 @@ def told(data: ReportData, placement: Placement, *, last: bool) -> Told:
     if profile is None or axis is None or relief is None or mosaic is None:
         raise ValueError("a segment's report has profile, axis, relief and mosaic")
     start_m = placement.start_m
-    along, chord = profile.position_m + start_m, axis.position_m + start_m
+    along = profile.position_m + start_m
     here = np.array([placement.here(y, last) for y in along], dtype=bool)
-    there = np.array([placement.here(y, last) for y in chord], dtype=bool)
     return Told(
         blocks=data.blocks,
         stations=tuple(replace(s, position_m=s.position_m + start_m) for s in data.stations),
         profile=DiameterProfile(
             position_m=along[here], diameter_mm=profile.diameter_mm[here], sigma_mm=profile.sigma_mm[here]
         ),
-        axis=AxisSummary(
-            straightness_mm_per_m=axis.straightness_mm_per_m,
-            position_m=chord[there],
-            bow_mm=axis.bow_mm[there],
-            centre_mm=axis.centre_mm[there],
-        ),
+        axis=replace(axis, position_m=axis.position_m + start_m),
+        rotation=rotation,
         features=tuple(
             replace(f, position_m=f.position_m + start_m)
             for f in relief.features

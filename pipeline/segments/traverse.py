@@ -123,6 +123,7 @@ def unseen_segment(nominal_m: Array, size_m: float) -> AdjustedSegment:
         covariance_m2=(UNSEEN_SHARE * spread_m) ** 2 * np.eye(len(nominal_m)),
         size_m=size_m,
         size_sigma_m=UNSEEN_SHARE * size_m,
+        across_covariance=np.zeros((2 * len(nominal_m), 2 * len(nominal_m))),
     )
     return AdjustedSegment(path=path, rotations=np.zeros((0, len(nominal_m), 3, 3)))
 

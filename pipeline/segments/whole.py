@@ -25,6 +25,7 @@ from pipeline.report.types import (
     ReportData,
     TruthStation,
 )
+from pipeline.segments.bends import WholeAxis
 from pipeline.segments.told import Told
 
 MOST_RELIEF_ROWS = 4000
@@ -34,6 +35,7 @@ def whole_report(
     survey: Survey,
     parts: tuple[Told, ...],
     segments: tuple[SegmentSummary, ...],
+    axes: tuple[WholeAxis, ...],
     ring: Ring,
     frames: int,
     truth: tuple[TruthStation, ...],
@@ -45,6 +47,7 @@ def whole_report(
     Args:
         survey: the whole one.
         parts, segments: one each a segment, in order.
+        axes: of the segments, each as far as neighbours go on without a gap.
         ring: the joined surface.
         frames: worked on, a block.
         truth: true diameters, where they are known.
@@ -58,7 +61,7 @@ def whole_report(
         truth=truth,
         unrolled=unrolled_picture(ring.picture, ring.texel_mm, ring.picture_azimuth, ring.picture_y_m),
         profile=_profile(parts),
-        axis=_axis(parts),
+        axis=_axis(axes),
         mosaic=_mosaic(parts),
         relief=_relief(parts, ring),
         mesh=view_mesh(ring),
@@ -104,15 +107,14 @@ def _profile(parts: tuple[Told, ...]) -> DiameterProfile:
     )
 
 
-def _axis(parts: tuple[Told, ...]) -> AxisSummary:
-    """Each segment's axis about its own chord: how the segments bend against each other is not told."""
-    axes = [p.axis for p in parts]
-    straightness = [a.straightness_mm_per_m for a in axes]
+def _axis(axes: tuple[WholeAxis, ...]) -> AxisSummary:
+    """The axis from end to end; where a gap breaks it, each piece about a chord of its own."""
     return AxisSummary(
-        straightness_mm_per_m=float(np.nanmax(straightness)) if np.isfinite(straightness).any() else nan,
-        position_m=np.concatenate([a.position_m for a in axes]),
-        bow_mm=np.concatenate([a.bow_mm for a in axes]),
-        centre_mm=np.concatenate([a.centre_mm for a in axes]),
+        straightness_mm_per_m=max((a.straightness_mm_per_m for a in axes), default=nan),
+        position_m=np.concatenate([np.zeros(0), *(a.y_m for a in axes)]),
+        bow_mm=np.concatenate([np.zeros((0, 2)), *(a.bow_mm for a in axes)]),
+        centre_mm=np.concatenate([np.zeros((0, 2)), *(a.centre_mm for a in axes)]),
+        sigma_mm=np.concatenate([np.zeros(0), *(a.sigma_mm for a in axes)]),
     )
 
 

@@ -5,7 +5,7 @@ import math
 import bpy
 import numpy as np
 import pytest
-from mathutils import Vector
+from mathutils import Euler, Matrix, Vector
 
 from tests.addon.picked import NAMES, hit, line, pick, pick_ring
 from tests.addon.shown_run import library, objects, opened, show
@@ -69,7 +69,8 @@ def test_a_pair_is_marked_on_both_blocks_and_tells_its_gap(state):
     assert pair.residual_mm == pytest.approx(1.5, abs=0.1)
     assert state.mosaic.way == "BY_HAND"
     marks = objects("Pairs")
-    assert {name for name, mark in marks.items() if mark.show_name} == {"1"}  # they lie too near for two
+    numbered = {name for name, mark in marks.items() if "cabletwin_label" in mark}
+    assert numbered == {"1"}  # they lie too near for two
     for number, name, point in (("1", "Block1", pair.point_a), ("1′", "Block2", pair.point_b)):
         mark = marks[number]
         block = objects("Block meshes")[name]
@@ -78,7 +79,18 @@ def test_a_pair_is_marked_on_both_blocks_and_tells_its_gap(state):
 
 def test_partners_that_lie_apart_have_a_number_each(state):
     pick("Block1", "Block2", 45, 0.2, aside_m=0.03)
-    assert {name for name, mark in objects("Pairs").items() if mark.show_name} == {"1", "1′"}
+    assert {mark["cabletwin_label"] for mark in objects("Pairs").values()} == {"1", "1′"}
+
+
+def test_a_mark_behind_the_cable_has_no_number_over_what_is_in_front(cabletwin):
+    """Looking along -z from above, and from a camera beside the cable."""
+    in_front = cabletwin.overlay.is_in_front
+    above, below = Vector((0.01, 0.2, 0.055)), Vector((0.01, 0.2, -0.055))
+    assert in_front(above, Matrix.Translation((0, 0, -1)), perspective=False)
+    assert not in_front(below, Matrix.Translation((0, 0, -1)), perspective=False)
+    beside = Matrix.LocRotScale((0.3, 0.2, 0.0), Euler((math.pi / 2, 0, math.pi / 2)), None).inverted()
+    near, far, grazing = Vector((0.055, 0.2, 0)), Vector((-0.055, 0.2, 0)), Vector((0.005, 0.2, 0.054))
+    assert [in_front(p, beside, perspective=True) for p in (near, far, grazing)] == [True, False, False]
 
 
 def test_one_block_twice_is_refused(state):

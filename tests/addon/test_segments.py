@@ -1,16 +1,20 @@
 """The run of a long survey opens segment by segment, each at its place on the whole cable."""
 
 import json
+import math
 import shutil
 
 import bpy
 import numpy as np
 import pytest
+from mathutils import Vector
 
 from tests.addon.shown_run import library, named, objects, reloaded, show
 
 START_M = 0.25
 """Where the second segment begins."""
+ROLL_DEG = 20.0
+"""By which the robot has turned there, in the test that asks."""
 ELSEWHERE = {
     "name": "Z",
     "position_m": 0.9,
@@ -73,6 +77,49 @@ def test_another_segment_lies_at_its_own_place_with_all_that_belongs_to_it(state
     found = [s.position_m for s in state.results.stations]
     assert found[:-1] == pytest.approx([y + START_M for y in stations[:-1]], abs=1e-6)
     assert state.measure.profile[0].position_m > START_M - 0.01
+
+
+def azimuths_deg():
+    """Of the middles of the block meshes."""
+    middles = {
+        name: item.matrix_world @ (sum((Vector(c) for c in item.bound_box), Vector()) / 8)
+        for name, item in objects("Block meshes").items()
+    }
+    return {name: math.degrees(math.atan2(-m.z, m.x)) for name, m in middles.items()}
+
+
+def away_mm():
+    (cable,) = named("Mosaic").values()
+    values = np.empty(len(cable.data.vertices), dtype=np.float32)
+    cable.data.attributes["deviation_mm"].data.foreach_get("value", values)
+    return values
+
+
+def test_a_segment_in_which_the_robot_hung_turned_is_turned_with_all_that_belongs_to_it(state, whole):
+    """Azimuths grow by the right-hand rule about +y; what was measured turns with what it was measured on."""
+    before, away = azimuths_deg(), away_mm()
+    file = whole / "report.json"
+    report = json.loads(file.read_text(encoding="utf-8"))
+    report["segments"][1]["roll_deg"] = ROLL_DEG
+    file.write_text(json.dumps(report), encoding="utf-8")
+    flat = library("segments").read_run(whole / "segments" / "001")
+    turned = library("segments").read_run(whole / "segments" / "002")
+    state.run.segment = 2
+    assert bpy.ops.cabletwin.results_open() == {"FINISHED"}
+    for name, azimuth_deg in azimuths_deg().items():
+        assert math.remainder(azimuth_deg - before[name] - ROLL_DEG, 360) == pytest.approx(0, abs=1e-3)
+    np.testing.assert_allclose(away_mm(), away, atol=2e-4)
+    for one, other in zip(flat.measurement.sections, turned.measurement.sections, strict=True):
+        step_deg = azimuth_deg_of(other) - azimuth_deg_of(one) - ROLL_DEG
+        np.testing.assert_allclose(np.remainder(step_deg + 180, 360), 180, atol=1e-6)
+    for name in ("azimuth", "picture_azimuth"):
+        step = getattr(turned.ring, name) - getattr(flat.ring, name)
+        np.testing.assert_allclose(step, math.radians(ROLL_DEG))
+
+
+def azimuth_deg_of(section):
+    x, z = section.points_mm.T
+    return np.degrees(np.arctan2(-z, x))
 
 
 def test_stations_of_other_segments_are_told_from_the_whole_report(state):

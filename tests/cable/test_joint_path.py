@@ -63,6 +63,16 @@ def test_place_and_size_follow_every_unknown_as_the_rig_itself_moves():
         points=np.zeros((0, 3)),
     )
 
+    def across(of):
+        """Places of the middle along x and z, and how far the mean camera leans towards them."""
+        centres = of.body_centres[:, None] + np.einsum("fji,cj->fci", of.body_rotations, of.mount_centres)
+        turned = of.mount_rotations @ of.body_rotations[:, None]
+        before = rig.mount_rotations @ rig.body_rotations[:, None]
+        turn = Rotation.from_matrix((turned.swapaxes(-1, -2) @ before).reshape(-1, 3, 3)).as_rotvec()
+        turn = turn.reshape(*turned.shape[:2], 3).mean(axis=1)  # of the whole, were it this that turned
+        middle = centres.mean(axis=1)
+        return np.array([[*middle[:, 0], *-turn[:, 2]], [*middle[:, 2], *turn[:, 0]]])
+
     def told(of):
         centres = of.body_centres[:, None] + np.einsum("fji,cj->fci", of.body_rotations, of.mount_centres)
         spread = centres - centres.mean(axis=1, keepdims=True)
@@ -79,4 +89,7 @@ def test_place_and_size_follow_every_unknown_as_the_rig_itself_moves():
             np.abs(there[0] - here[0]) / 2e-6, abs=1e-6
         )
         assert path.size_sigma_m == pytest.approx(abs(there[1] - here[1]) / 2e-6, abs=1e-6)
+        there, here = (across(rig.moved(s, np.zeros((0, 3)))) for s in (step, -step))
+        towards = (there - here) / 2e-6
+        assert path.across_covariance == pytest.approx(towards.T @ towards / 2, abs=1e-6)
     assert (path.y_m, path.size_m) == (pytest.approx(told(rig)[0]), pytest.approx(told(rig)[1]))

@@ -58,6 +58,21 @@ def test_report_json_tells_the_axis_place_by_place(tmp_path):
     ]
     assert told["bow_mm"] == pytest.approx(1.0)
     assert told["profile"][1] == {"position_m": 0.1, "x_mm": 1.7, "z_mm": 1.2}
+    assert "bow_sigma_mm" not in told
+
+
+def test_report_json_tells_the_sigma_of_the_bow_where_it_is_known(tmp_path):
+    axis = AxisSummary(
+        straightness_mm_per_m=10.0,
+        position_m=np.array([0.0, 0.1, 0.2, 0.3]),
+        bow_mm=np.array([[0.0, 0.0], [0.6, -0.8], [0.1, 0.2], [0.0, 0.0]]),
+        centre_mm=np.zeros((4, 2)),
+        sigma_mm=np.array([0.0, 0.15, 0.2, 0.0]),
+    )
+    data = sample.report_data(axis=axis)
+    told = read_json(exports.write_report_json(tmp_path / "report.json", data))["axis"]
+    assert told["bow_sigma_mm"] == 0.15
+    assert [row["bow_sigma_mm"] for row in told["profile"]] == [0.0, 0.15, 0.2, 0.0]
 
 
 def test_report_json_states_the_error_against_truth(tmp_path):

@@ -12,8 +12,11 @@ from tests.report import sample
 SEGMENT = SegmentSummary(
     name="001", from_m=0.0, to_m=0.875, start_m=0.0, length_m=1.0, frames=51,
     scale=1.001894, scale_sigma=1.3e-5, roll_deg=-2.25, link_ppm=-7.4,
+    bend_mm_per_m=(1.254, -0.502), bend_sigma_mm_per_m=0.053,
 )  # fmt: skip
-LAST = replace(SEGMENT, name="002", from_m=0.875, to_m=1.5, link_ppm=float("nan"))
+LAST = replace(
+    SEGMENT, name="002", from_m=0.875, to_m=1.5, link_ppm=float("nan"), bend_mm_per_m=(float("nan"),) * 2
+)
 
 
 def texts(html):
@@ -23,7 +26,7 @@ def texts(html):
 def test_every_segment_has_its_row_and_its_report():
     html = segment_section(Writer(language="en"), (SEGMENT, LAST))
     shown = texts(html)
-    for wanted in ("0.875", "51", "+1894", "13", "−2.25", "−7", "–"):
+    for wanted in ("0.875", "51", "+1894", "13", "−2.25", "−7", "+1.25", "−0.50", "0.05", "–"):
         assert wanted in shown
     assert 'href="segments/001/report.html"' in html
     assert "2 segments" in html

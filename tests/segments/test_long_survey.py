@@ -69,6 +69,16 @@ def test_the_profile_of_the_axis_runs_from_end_to_end(report):
     assert np.diff(places).max() < 0.011
 
 
+def test_the_axis_is_one_curve_whose_bow_and_bends_agree_with_the_straight_truth(report):
+    axis, segments = report["axis"], report["segments"]
+    assert axis["bow_mm"] < 5 * axis["bow_sigma_mm"] < 1
+    sigma_mm = [row["bow_sigma_mm"] for row in axis["profile"]]
+    assert sigma_mm[0] == sigma_mm[-1] == 0 < min(sigma_mm[1:-1])
+    for segment in segments[:-1]:
+        assert np.abs(segment["bend_mm_per_m"]).max() < 4 * segment["bend_sigma_mm_per_m"] < 4
+    assert segments[-1]["bend_mm_per_m"] == [None, None]
+
+
 def test_the_whole_and_every_segment_have_all_files(long_run, report):
     files = ("report.html", "model.glb", "model.ply", "cloud.ply", "unrolled.png", "diameters.csv")
     for folder in (long_run, *(long_run / "segments" / s["name"] for s in report["segments"])):
@@ -83,6 +93,20 @@ def test_a_second_start_makes_no_stage_again(long_run, rendered):
     done = pipeline("run", *words(rendered, long_run))
     assert done.code == 0
     assert {f: f.stat().st_mtime_ns for f in long_run.glob("segments/*/products/*.npz")} == before
+
+
+def test_a_stage_made_again_by_itself_leaves_every_segment_whole_in_the_end(long_run, rendered, tmp_path):
+    run = tmp_path / "run"
+    shutil.copytree(long_run, run)
+    survey, truth = read_survey(rendered / "survey.toml"), rendered / "truth.json"
+    make_product(survey, run, silent, assignments=CUT, truth=truth, only="measure")
+    segments = sorted((run / "segments").iterdir())
+    assert not any((s / "report.json").exists() for s in segments), "what rests on it is outdated"
+    make_product(survey, run, silent, assignments=CUT, truth=truth)
+    for folder in (run, *segments):
+        assert (folder / "report.json").is_file()
+        assert (folder / "model.ply").is_file()
+        assert not (folder / "outdated").exists()
 
 
 def test_a_segment_opens_like_any_run_and_the_whole_says_so(long_run):
@@ -121,6 +145,11 @@ def test_a_segment_without_anything_to_find_is_told_and_left_out(long_run, rende
     assert any("Segment 002" in w and "Block1 has no marks" in w for w in told["warnings"])
     names = [s.name for s in survey.cable.stations]
     assert 0 < len(told["stations"]) < len(names)
+    for segment, other in zip(told["segments"], others, strict=True):  # a bend needs the next one
+        known = f"{int(other) + 1:03d}" in others
+        assert (segment["bend_mm_per_m"][0] is not None) == known
+    for row in told["axis"]["profile"]:
+        assert any(s["from_m"] <= row["position_m"] <= s["to_m"] + 0.01 for s in told["segments"])
 
 
 def test_where_no_segment_has_anything_the_run_is_refused(rendered, tmp_path, monkeypatch):

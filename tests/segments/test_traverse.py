@@ -38,6 +38,7 @@ def surveyed(true_y, noise_m=0.0, seed=1, size_share=1e-5, size_noise=0.0):
                 covariance_m2=max(noise_m, 1e-7) ** 2 * np.eye(len(mine)),
                 size_m=size_m,
                 size_sigma_m=size_share * size_m,
+                across_covariance=np.zeros((2 * len(mine), 2 * len(mine))),
             )
         )
     return segments, tuple(paths)
@@ -125,12 +126,7 @@ def test_a_link_that_disagrees_is_told():
     segments, paths = surveyed(true_y)
     shrunk = paths[1].y_m.copy()
     shrunk[-12:] = shrunk[-12] + 1.002 * (shrunk[-12:] - shrunk[-12])
-    bent = RingPath(
-        y_m=shrunk,
-        covariance_m2=100 * paths[1].covariance_m2,
-        size_m=paths[1].size_m,
-        size_sigma_m=1e-7,
-    )
+    bent = replace(paths[1], y_m=shrunk, covariance_m2=100 * paths[1].covariance_m2, size_sigma_m=1e-7)
     told = [p.link_ppm for p in closed(segments, (paths[0], bent, *paths[2:]), true_y[-1], ring_ppm=0.1)]
     assert np.nanargmax(np.abs(told)) == 1
     assert abs(told[1]) > 300

@@ -30,6 +30,7 @@ class Stopwatch:
     def __enter__(self) -> "Stopwatch":
         """Begin to watch."""
         self._wrap(module("operators.following").Follower, "tick")
+        self._wrap(module("pieces").InTurns, "turn")
         overlay = module("overlay")
         for name in ("_labels", "_legend"):
             self._wrap(overlay, name)

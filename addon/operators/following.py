@@ -144,7 +144,7 @@ class JobOperator(Operator):
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Look after the job on each tick, then bring in what it made; ESC asks to stop."""
         follower = self._follower
-        if follower is None:
+        if follower is None or self._timer is None:
             return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS":
             follower.shown.tell(cancelling=True)
@@ -183,13 +183,16 @@ class JobOperator(Operator):
             self._showing.stop()
             clear(shown)
             return self._cancelled()
+        going_on = False
         try:
-            if self._showing.turn():
-                return set()
+            going_on = self._showing.turn()
         except StageError as error:
-            clear(shown)
             return self._refuse(error)
-        return self._finish(context, shown)
+        finally:
+            if not going_on:  # even after a surprise nothing is left running
+                clear(shown)
+                self._every(context, None)
+        return set() if going_on else self._finish(context, shown)
 
     def _every(self, context: bpy.types.Context, seconds: float | None) -> None:
         """Be called so often; None: no more."""

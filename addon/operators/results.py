@@ -9,6 +9,7 @@ from pipeline.opened import whole_of
 
 from ..pieces import Pieces, at_once
 from ..preferences import preferences
+from ..properties.job import SHOWING
 from ..results.collections import BLOCKS, MOSAIC, SPARSE
 from ..results.show import show_run
 from ..results.steel_run import is_steel
@@ -18,7 +19,20 @@ from .base import FolderChoice, Operator
 from .running import run_folder
 
 
-class CABLETWIN_OT_results_open(Operator):
+class RunOpener(Operator):
+    """An operator that brings in a run, which must not mix with another one; not registered itself."""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Not while a job's results come in."""
+        job = context.window_manager.cabletwin_job
+        if job.running and job.stage == SHOWING:
+            cls.poll_message_set("A job is running")
+            return False
+        return True
+
+
+class CABLETWIN_OT_results_open(RunOpener):
     """Show what a run folder holds, finished or half finished."""
 
     bl_idname = "cabletwin.results_open"
@@ -32,7 +46,7 @@ class CABLETWIN_OT_results_open(Operator):
         at_once(present_run(context, scene, run_folder(scene.cabletwin.run)))
 
 
-class CABLETWIN_OT_results_choose(FolderChoice, Operator):
+class CABLETWIN_OT_results_choose(FolderChoice, RunOpener):
     """Choose a run folder and show it."""
 
     bl_idname = "cabletwin.results_choose"

@@ -12,6 +12,7 @@ from pipeline.cable.closing import ClosingBlock, ClosingOptions, SharedMarks, fi
 from pipeline.cable.joint import JointBlock, JointOptions, orient_ring
 from pipeline.cable.pos import RobotPriors
 from pipeline.core.events import Emit, part
+from pipeline.core.vocabulary import Lens
 
 
 def close_ring(
@@ -31,7 +32,7 @@ def close_ring(
         options, joint: how marks are found, how the ring is adjusted.
         emit: progress.
     """
-    if all(_known(block) for block in blocks):
+    if all(lens_known(block.orientation.lens) for block in blocks):
         return find_shared_marks(blocks, options, emit)
     marks = find_shared_marks(blocks, options, part(emit, 0.0, 0.45))
     adjusting = part(emit, 0.45, 0.55)
@@ -42,6 +43,6 @@ def close_ring(
     return find_shared_marks(again, options, part(emit, 0.55, 1.0))
 
 
-def _known(block: ClosingBlock) -> bool:
-    lens = block.orientation.lens
+def lens_known(lens: Lens) -> bool:
+    """Whether nothing of the lens is left to find."""
     return lens.focal_sigma_px == 0 and lens.lambda_sigma == 0

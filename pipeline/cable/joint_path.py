@@ -5,7 +5,7 @@ stand from each other, and how surely the robot's way is straight.  Leaves out w
 (:mod:`pipeline.segments.traverse`, :mod:`pipeline.segments.bends`).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -25,14 +25,15 @@ class RingPath:
         size_m: root mean square distance of the projection centres from their middle.
         size_sigma_m: its standard deviation.
         across_covariance: (2 frames, 2 frames) of the middle's places across the cable (m), then of how far
-            the cameras lean out of the axis on the mean (rad); mean of the two directions, x and z.
+            the cameras lean out of the axis on the mean (rad); mean of the two directions, x and z. Empty in
+            runs of earlier versions.
     """
 
     y_m: Array
     covariance_m2: Array
     size_m: float
     size_sigma_m: float
-    across_covariance: Array
+    across_covariance: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
 
 def ring_path(result: BundleResult) -> RingPath:

@@ -3,12 +3,13 @@
 Builds on the block by block stages; holds no algorithm and no order.
 """
 
+from dataclasses import replace
 from pathlib import Path
 
 from pipeline.cable.block_stages import BlockStages
 from pipeline.cable.closing import ClosingBlock, SharedMarks
-from pipeline.cable.closing_lenses import close_ring
-from pipeline.cable.joint import JointBlock, RingOrientation, adjust_ring
+from pipeline.cable.closing_lenses import close_ring, lens_known
+from pipeline.cable.joint import JointBlock, JointOptions, RingOrientation, adjust_ring
 from pipeline.cable.measure import Measurement, measure_ring
 from pipeline.cable.mosaic import Mosaic, MosaicBlock, PointPairs, mosaic_blocks
 from pipeline.cable.pairs import (
@@ -57,8 +58,19 @@ class RingStages(BlockStages):
             )
 
         robot = self._robot()
-        needs = [*self._all("frames", "adjust"), robot, self._mounted(), self._options.closing]
-        return self._folder.product("closing", SharedMarks, make, *needs, self._options.joint)
+        needs = [*self._all("frames", "adjust"), self._mounted(), self._options.closing]
+        if not all(lens_known(p.value.lens) for p in self.made["adjust"]):
+            plain = JointOptions()
+            needs += [
+                robot,
+                replace(  # the ring that tells the lenses knows no surface
+                    self._options.joint,
+                    surface_sigma_mm=plain.surface_sigma_mm,
+                    surface_patch_mm=plain.surface_patch_mm,
+                    surface_used=plain.surface_used,
+                ),
+            ]
+        return self._folder.product("closing", SharedMarks, make, *needs)
 
     def _joint(self) -> Product[RingOrientation]:
         robot = self._robot()

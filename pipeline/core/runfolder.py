@@ -21,7 +21,7 @@ from pipeline.core.files import unwritable, write_json, write_text
 _UNREADABLE = (FileNotFoundError, zipfile.BadZipFile, EOFError, ValueError, KeyError)
 """What loading a product raises where someone has tidied up or a power cut has left half of it."""
 
-VERSION = "3"  # raise it when a stage's algorithm changes, so that old products are not taken for new ones
+VERSION = "4"  # raise it when a stage's algorithm changes, so that old products are not taken for new ones
 
 
 @dataclass(frozen=True)

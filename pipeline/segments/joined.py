@@ -123,11 +123,18 @@ def unbroken(segments: tuple[FinishedSegment, ...]) -> list[list[FinishedSegment
     """Chains of neighbours that tell of their axes: a segment that does not breaks the chain."""
     chains: list[list[FinishedSegment]] = [[]]
     for one in segments:
-        if one.told is not None and len(one.told.axis.position_m) >= LEAST_PLACES:
+        if _tells(one, last=one is segments[-1]):
             chains[-1].append(one)
         elif chains[-1]:
             chains.append([])
     return [chain for chain in chains if chain]
+
+
+def _tells(one: FinishedSegment, *, last: bool) -> bool:
+    """Whether enough of its axis lies between its hand-overs."""
+    if one.told is None:
+        return False
+    return sum(one.placement.here(y, last) for y in one.told.axis.position_m) >= LEAST_PLACES
 
 
 def _axis_part(of: FinishedSegment) -> AxisPart:

@@ -3,6 +3,7 @@
 Takes the segment's report data and its placement; gives :class:`Told`, in the whole cable's places.
 """
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -67,18 +68,35 @@ def told(data: ReportData, rotation: Array, placement: Placement, *, last: bool)
     here = np.array([placement.here(y, last) for y in along], dtype=bool)
     return Told(
         blocks=data.blocks,
-        stations=tuple(replace(s, position_m=s.position_m + start_m) for s in data.stations),
+        stations=tuple(_moved(s, placement) for s in data.stations),
         profile=DiameterProfile(
             position_m=along[here], diameter_mm=profile.diameter_mm[here], sigma_mm=profile.sigma_mm[here]
         ),
         axis=replace(axis, position_m=axis.position_m + start_m),
         rotation=rotation,
         features=tuple(
-            replace(f, position_m=f.position_m + start_m)
+            replace(
+                f,
+                position_m=f.position_m + start_m,
+                azimuth_deg=math.remainder(f.azimuth_deg + math.degrees(placement.roll), 360.0),
+            )
             for f in relief.features
             if placement.here(f.position_m + start_m, last)
         ),
         relief_level_mm=relief.level_mm,
         mosaic=mosaic,
         warnings=data.warnings,
+    )
+
+
+def _moved(station: StationResult, placement: Placement) -> StationResult:
+    """In the whole's places and azimuths."""
+    cos, sin = math.cos(placement.roll), math.sin(placement.roll)
+    turn = np.array([[cos, sin], [-sin, cos]])
+    x_mm, z_mm = turn @ station.circle_centre_mm
+    return replace(
+        station,
+        position_m=station.position_m + placement.start_m,
+        section_mm=station.section_mm @ turn.T,
+        circle_centre_mm=(float(x_mm), float(z_mm)),
     )

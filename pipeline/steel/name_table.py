@@ -118,13 +118,7 @@ def _at(found: StationFeatures, row: Naming) -> int:
             f"{1000 * near[1][0]:.0f} mm off another",
             f"put it onto the {word} itself, where no other is near",
         )
-    number = near[0][1]
-    if found.features[number].name:
-        raise table_error(
-            f'{row.where} names the {word} "{found.features[number].name}" of station.targets again',
-            "leave the row out",
-        )
-    return number
+    return near[0][1]
 
 
 def _nothing_there(station: str, row: Naming, nearest: str) -> StageError:

@@ -208,11 +208,11 @@ def test_the_job_runs_on_until_its_results_are_there(state, finished):
     operator, follower = following(state, finished.folder)
     stages = set()
     while not (ended := operator._turn(bpy.context, follower)):
-        stages.add((follower.shown.running, follower.shown.stage))
+        stages.add((follower.shown.running, follower.shown.stage, operator.each_s < 0.1))
         time.sleep(0.002)
     assert (ended, operator.said) == ({"FINISHED"}, ("done",))
-    assert stages == {(True, "show")}
-    assert operator.each_s < 0.1
+    assert stages == {(True, "show", True)}
+    assert operator.each_s is None
     assert not follower.shown.running
     assert scene_now() == whole
 
@@ -229,3 +229,28 @@ def test_cancelled_while_results_come_in_there_is_no_run_shown(state, finished):
     assert operator.said == ("Cancelled: what is finished is kept",)
     assert not follower.shown.running
     assert [len(named(kind)) for kind in KINDS[:5]] == [0] * 5
+
+
+def test_a_surprise_leaves_nothing_running(state, finished):
+    operator, follower = following(state, finished.folder)
+
+    def surprised(context, scene):
+        yield
+        raise RuntimeError("surprise")
+
+    operator.show = surprised
+    assert not operator._turn(bpy.context, follower)  # the first piece
+    with pytest.raises(RuntimeError, match="surprise"):
+        operator._turn(bpy.context, follower)
+    assert (follower.shown.running, operator.each_s) == (False, None)
+
+
+def test_no_other_run_is_opened_while_one_comes_in(state):
+    job = bpy.context.window_manager.cabletwin_job
+    job.tell(running=True, stage="show")
+    try:
+        assert not bpy.ops.cabletwin.results_open.poll()
+        assert not bpy.ops.cabletwin.results_choose.poll()
+    finally:
+        library("operators.following").clear(job)
+    assert bpy.ops.cabletwin.results_open.poll()

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from pipeline.cable.chain import Chain
+from pipeline.cable.joint import JointOptions
+from pipeline.cable.records import CableOptions
 from pipeline.core.errors import StageError
 from pipeline.core.runfolder import Product, RunFolder
 from pipeline.core.vocabulary import FrameSequence, Lens
@@ -65,3 +67,27 @@ def test_frames_are_undistorted_with_the_adjusted_lens_and_not_the_stated_one(tm
     flat = chain._undistort(0, SimpleNamespace(name="B"), scene.silent).value
     assert (flat.pinhole.focal_px, flat.pinhole.division_lambda) == (74.0, 0.0)
     assert cv2.imread(str(flat.frames.files[0])).shape[1] == flat.pinhole.width_px > 96
+
+
+class Closed(Chain):
+    """Tells what the product of *closing* would hang on."""
+
+    def _robot(self):
+        return "robot"
+
+    def hangs_on(self, lens, **joint):
+        options = CableOptions(joint=JointOptions(**joint))
+        survey = SimpleNamespace(blocks=[SimpleNamespace(angle_deg=0.0, travel_in_image="right")])
+        self._survey, self._options = survey, options
+        self._folder = SimpleNamespace(product=lambda name, kind, make, *needs: needs)
+        self.made = {"frames": ["frames"], "adjust": [Product(SimpleNamespace(lens=lens), "alone")]}
+        return repr(self._closing())
+
+
+def test_shared_marks_are_found_anew_where_what_told_the_lenses_changes_and_nowhere_else():
+    closed = Closed(None, None, None, scene.silent)
+    known, free = STATED, replace(STATED, focal_sigma_px=2.0)
+    assert closed.hangs_on(known) == closed.hangs_on(known, sigma_px=0.2)
+    assert closed.hangs_on(free) != closed.hangs_on(free, sigma_px=0.2)
+    assert closed.hangs_on(free) == closed.hangs_on(free, surface_sigma_mm=0.1, surface_used=True)
+    assert "robot" in closed.hangs_on(free)

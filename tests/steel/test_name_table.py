@@ -95,12 +95,23 @@ def test_what_is_not_clear_is_refused_by_its_row(names_of, rows, said):
     assert "\n" not in str(caught.value)
 
 
-def test_a_station_that_shows_none_of_the_kind_and_a_target_that_is_listed_are_told(names_of):
+def test_a_station_that_shows_none_of_the_kind_is_told(names_of):
     with pytest.raises(StageError, match=r"it shows no plane at all"):
         names_of("a,plane,4,0,0\n", replace(FOUND, features=FOUND.features[:4]))
-    listed = (replace(FOUND.features[0], name="T1"), *FOUND.features[1:])
-    with pytest.raises(StageError, match=r'names the target "T1" of station.targets again'):
-        names_of("T7,target,2,0,0\n", replace(FOUND, features=listed))
+
+
+def test_a_target_cannot_be_named_where_targets_are_listed(tmp_path):
+    table, targets = tmp_path / "S01_names.csv", tmp_path / "S01.csv"
+    table.write_text(HEADER + "T7,target,2,0,0\n")
+    station = ScanStation(name="S01", names=table, targets=targets)
+    survey = SteelSurvey(
+        format=1, kind="steel", name="x", scanner=Scanner(), stations=(station, ScanStation(name="S02"))
+    )
+    with pytest.raises(
+        StageError, match=r'line 2 names the target "T7", but .*S01.csv lists the targets'
+    ) as said:
+        station_features(station, None, survey, TargetOptions(), tmp_path, silent)
+    assert "leave the row out" in str(said.value)
 
 
 def test_kinds_that_are_off_are_looked_for_where_one_is_named_and_only_that_is_kept(names_of, tmp_path):

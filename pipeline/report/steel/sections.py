@@ -76,8 +76,9 @@ def _gross_sentence(writer: Writer, group: GrossGroup) -> str:
 def chain(writer: Writer, report: SteelReport, truth: SteelEvaluation | None) -> str:
     """How the error grows station by station, and how it does not in the adjustment."""
     rows = report.comparison
-    if not rows:
-        return ""
+    icp_pairs = tables.icp_table(writer, report.icp_pairs) if report.icp_pairs else ""
+    if len(rows) < 2:  # only the base: no other station could be chained
+        return icp_pairs
     last = max(row.position for row in rows)
     ends = [row for row in rows if row.position == last]
     html = writer.say(
@@ -95,7 +96,7 @@ def chain(writer: Writer, report: SteelReport, truth: SteelEvaluation | None) ->
     plot = chain_plot(rows, errors, writer.language)
     caption = "steel_chain_truth_caption" if errors else "steel_chain_caption"
     html += writer.figure(plot, writer.say(caption, "figcaption"))
-    return html + (tables.icp_table(writer, report.icp_pairs) if report.icp_pairs else "")
+    return html + icp_pairs
 
 
 def structure(writer: Writer, report: SteelReport) -> str:

@@ -228,3 +228,10 @@ def test_with_truth_the_page_compares_and_names_the_targets():
     assert re.search(r"Nodes false, missed\s+0, 4", words)  # of the five judged the run calls one eccentric
     assert re.search(r"Gross errors named, missed, false\s+0, 0, 3", words)
     assert "after the best fit (mm)" in words
+
+
+def test_a_chain_of_the_base_alone_is_no_comparison():
+    """Where stations hang on names alone, none but the base can be placed one by one."""
+    whole = sample.chained()
+    base = replace(whole, poses=whole.poses[:1], links=whole.links[:1])
+    assert "chain" not in read(page_html(report(chained=base, icp=None), None, FILES, "en")).sections

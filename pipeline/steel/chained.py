@@ -3,7 +3,7 @@
 Takes the survey, the features and the registration; gives every station's pose as chaining would have it, and
 how far it lies off the adjustment against its position in the chain.  Gross errors that the adjustment found
 are left out here as well: what remains is the growth of the noise.  Loops are not closed: chaining does not.
-A station that no single other one holds by targets is missing here: the adjustment needs no such neighbour.
+A station that no single one before it holds by targets is missing here: the adjustment needs none such.
 """
 
 from collections.abc import Sequence
@@ -27,7 +27,8 @@ def compare_chained(
 ) -> ChainedRegistration:
     """Chain the stations in the order of their initial values, outward from the base."""
     network = build_network(survey, found)
-    gross = {(error.station, error.target) for error in registration.gross}
+    # of targets only: an axis may carry the same name
+    gross = {(r.station, r.target) for r in registration.residuals if r.kind == "point" and r.weight == 0}
     seen = [
         {f: n for f, n in network.points_of(s).items() if (name, network.names[f]) not in gross}
         for s, name in enumerate(network.stations)

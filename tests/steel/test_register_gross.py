@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.core.events import silent
+from pipeline.steel.chained import compare_chained
 from pipeline.steel.register import register
 from pipeline.steel.registration_options import RegisterOptions
 from pipeline.steel.registration_records import GrossKind
@@ -99,3 +100,20 @@ def test_a_target_that_two_see_differently_is_told_with_both():
     )
     (error,) = registered(simulated, found).gross
     assert {error.station, error.instead} == {first, second}
+
+
+def test_chaining_leaves_out_the_same_targets():
+    """Compared with a chain that was told only what the adjustment kept."""
+    simulated = simulate(12, 5, levelled=True)
+    target = simulated.found[4].features[2].name
+    moved = place_of(simulated, "S005", target) + np.array([0.03, -0.04, 0.0])
+    found = changed(simulated, "S005", target, place=moved)
+    result = registered(simulated, found)
+    kept = [
+        replace(one, features=tuple(f for f in one.features if (one.station, f.name) != ("S005", target)))
+        for one in found
+    ]
+    assert {(error.station, error.target) for error in result.gross} == {("S005", target)}
+    chained, without = (compare_chained(simulated.survey, those, result, silent) for those in (found, kept))
+    for one, other in zip(chained.poses, without.poses, strict=True):
+        np.testing.assert_allclose(one.translation, other.translation, atol=1e-12)
